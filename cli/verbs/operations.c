@@ -4,6 +4,27 @@
 #include "verbs.h"
 #include <string.h>
 
+static const char *word_of(unsigned is)
+{
+    return is == VV_IS_FIELD ? "volume" : is == VV_IS_MESH ? "mesh" : "volume or mesh";
+}
+
+static void describe_inputs(vvi_result *json, const vv_operation *row)
+{
+    vvi_result_open(json, "inputs", '[');
+    for (const vv_operand *o = row->inputs; o->name; o++) {
+        vvi_result_open(json, NULL, '{');
+        vvi_result_string(json, "name", o->name);
+        vvi_result_string(json, "takes", word_of(o->is));
+        vvi_result_unsigned(json, "least", o->least);
+        vvi_result_unsigned(json, "most", o->most);
+        vvi_result_string(json, "doc", o->doc);
+        vvi_result_close(json, '}');
+    }
+    vvi_result_close(json, ']');
+    vvi_result_string(json, "makes", word_of(vv_operation_makes(row)));
+}
+
 static void describe(cli_command *command, const vv_operation *row, bool in_full)
 {
     vvi_result *json = &command->json;
@@ -20,6 +41,7 @@ static void describe(cli_command *command, const vv_operation *row, bool in_full
     vvi_result_string(json, "example", row->example);
     vvi_result_unsigned(json, "min_inputs", vv_operation_least(row));
     vvi_result_unsigned(json, "max_inputs", vv_operation_most(row));
+    describe_inputs(json, row);
     cli_properties_json(json, "parameters", row->params);
     vvi_result_close(json, '}');
 }

@@ -209,6 +209,7 @@ typedef struct vv_dataset {
     char *checksum;                   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
     char *source, *operation;         /**< made by this operation from that dataset; unset: not made here */
     char *parameters;                 /**< of the operation: the text of a JSON object */
+    char *inputs;                     /**< its other inputs, datasets by operand: the text of a JSON object */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */
 } vv_dataset;
 

@@ -379,6 +379,8 @@ static const vv_property dataset[] = {
      .doc = "the operation that made it, as listed by 'volvis operations'"},
     {VV_PROP(vv_dataset, parameters), VVI_TEXT(65536), .automatic = "none: the operation's defaults",
      .doc = "parameters of that operation, as the text of a JSON object"},
+    {VV_PROP(vv_dataset, inputs), VVI_TEXT(4096), .automatic = "none: source alone",
+     .doc = "names of datasets that were its other inputs, as the text of a JSON object: {\"values\": \"ct\"}"},
     END,
 };
 const vv_class vv_dataset_class = {

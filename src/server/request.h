@@ -25,6 +25,7 @@ typedef struct vvi_request_task {
     const vv_operation *operation;
     vv_object *params;
     char *dataset, *parameters;
+    char *inputs;           /**< of the operation, beside the dataset: {"values": "ct"}; NULL: none */
     char *note;             /**< what whoever asked should know of what was done; NULL: nothing */
     vvi_made_memory memory; /**< a picture where nothing is written */
     vvi_page_shape_options wish;
@@ -51,6 +52,26 @@ vv_status vvi_request_suffix(const char **out, const vv_operation *operation, co
  * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
                                  const vv_dataset *dataset, const vv_registry *registry, vv_job *job);
+/** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
+ * must be. */
+vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
+/** The dataset that the text of "inputs" names for an operand, or for the name of one; NULL: none. Yours. */
+char *vvi_request_input(const char *inputs, const char *name);
+
+enum { VVI_REQUEST_INPUTS = 16 };
+
+/** Inputs of an operation, opened; zeroed is valid to close. */
+typedef struct vvi_request_inputs {
+    vv_run_input input[VVI_REQUEST_INPUTS];
+    char *as[VVI_REQUEST_INPUTS];
+    size_t n;
+} vvi_request_inputs;
+
+/** Those that the request names, of its World, in the order of the row's operands. */
+vv_status vvi_request_open_inputs(vvi_request_inputs *out, const vvi_request *request, vv_job *job);
+void vvi_request_close_inputs(vvi_request_inputs *inputs);
+/** The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
+vv_status vvi_request_open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
 void vvi_request_done_slowly(vvi_task *task, vv_status st);
 /** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */

@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    STEPS_MOST = 64, /* a scene may name datasets in a ring */
-    PATH_MOST = 384
-};
+enum { STEPS_MOST = 64, PATH_MOST = 384 };
 
 static void quote(vvi_text *out, const char *s)
 {
@@ -122,8 +119,55 @@ static void put_input(vvi_text *out, const vv_world *world, const char *id, cons
 
 typedef struct step {
     const vv_operation *operation;
-    const char *source, *parameters;
+    const char *source, *parameters, *inputs;
 } step;
+
+/* NAME=FILE:PART, since options of reading are of the first. */
+static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id,
+                      const vv_registry *registry)
+{
+    const vv_dataset *dataset = find_dataset(world, id);
+    vvi_text_printf(out, " %s=", name);
+    if (made_by(world, dataset, registry)) {
+        put_made(out, id, suffix_of(dataset->path));
+        return;
+    }
+    quote(out, dataset->path);
+    if (dataset->part) {
+        vvi_text_add(out, ":");
+        quote(out, dataset->part);
+    }
+}
+
+typedef vv_status visit_fn(void *user, const char *name, const char *id);
+
+static vv_status for_others(const char *inputs, visit_fn *visit, void *user)
+{
+    const char *name;
+    json_t *id, *others = inputs ? json_loads(inputs, 0, NULL) : NULL;
+    vv_status st = VV_OK;
+    json_object_foreach(others, name, id) if (st == VV_OK && json_is_string(id)) st =
+        visit(user, name, json_string_value(id));
+    json_decref(others);
+    return st;
+}
+
+typedef struct making {
+    vvi_text *out;
+    const vv_world *world;
+    int depth;
+    vv_job *job;
+} making;
+
+static vv_status visit_other(void *user, const char *name, const char *id)
+{
+    const making *m = user;
+    const vv_dataset *dataset = find_dataset(m->world, id);
+    if (!dataset || !dataset->path)
+        return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", id);
+    put_other(m->out, m->world, name, id, vvi_job_registry(m->job));
+    return VV_OK;
+}
 
 static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, const char *id, const char *suffix,
                           vv_job *job)
@@ -134,8 +178,11 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
-        put_input(out, world, s->source, registry);
-        st = put_options(out, params);
+        if (!s->operation->inputs[0].named || !s->inputs)
+            put_input(out, world, s->source, registry);
+        st = for_others(s->inputs, visit_other, &(making){out, world, 0, job});
+    }
+    if (st == VV_OK && (st = put_options(out, params)) == VV_OK) {
         vvi_text_add(out, " -o ");
         put_made(out, id, suffix);
     }
@@ -143,30 +190,48 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     return st;
 }
 
-/* The lines that make a dataset of one that was not made here, the first one first; none where it is such a one. */
+static bool is_put(const vvi_text *out, const char *id, const char *suffix)
+{
+    vvi_text line = {0};
+    vvi_text_add(&line, " -o ");
+    put_made(&line, id, suffix);
+    vvi_text_add(&line, "\n");
+    const bool there = out->s && line.s && strstr(out->s, line.s);
+    vvi_text_free(&line);
+    return there;
+}
+
+static vv_status put_making_of(making *m, const char *id);
+
+static vv_status visit_making(void *user, const char *name, const char *id)
+{
+    return put_making_of(user, id);
+}
+
+/* The lines that make a dataset of those that were not made here, the first one first; none where it is such a one. */
+static vv_status put_making_of(making *m, const char *id)
+{
+    const vv_dataset *d = find_dataset(m->world, id);
+    const vv_operation *operation = d ? made_by(m->world, d, vvi_job_registry(m->job)) : NULL;
+    if (!operation || is_put(m->out, id, suffix_of(d->path)))
+        return VV_OK;
+    if (m->depth == STEPS_MOST) /* a scene may name datasets in a ring */
+        return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
+    const step s = {operation, d->source, d->parameters, d->inputs};
+    m->depth++;
+    vv_status st = put_making_of(m, d->source);
+    if (st == VV_OK)
+        st = for_others(d->inputs, visit_making, m);
+    m->depth--;
+    if (st != VV_OK || (st = put_step(m->out, m->world, &s, id, suffix_of(d->path), m->job)) != VV_OK)
+        return st;
+    vvi_text_add(m->out, "\n");
+    return VV_OK;
+}
+
 static vv_status put_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
-    const char *made[STEPS_MOST];
-    step steps[STEPS_MOST];
-    int n = 0;
-    for (const vv_dataset *d = find_dataset(world, id); d; d = find_dataset(world, id)) {
-        const vv_operation *operation = made_by(world, d, vvi_job_registry(job));
-        if (!operation)
-            break;
-        if (n == STEPS_MOST)
-            return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
-        made[n] = id;
-        steps[n++] = (step){operation, d->source, d->parameters};
-        id = d->source;
-    }
-    while (n-- > 0) {
-        const vv_status st =
-            put_step(out, world, &steps[n], made[n], suffix_of(find_dataset(world, made[n])->path), job);
-        if (st != VV_OK)
-            return st;
-        vvi_text_add(out, "\n");
-    }
-    return VV_OK;
+    return put_making_of(&(making){out, world, 0, job}, id);
 }
 
 /* An operation that is about to be run. */
@@ -174,13 +239,15 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     const vv_dataset *dataset = find_dataset(r->world, r->dataset);
-    const step s = {r->operation, r->dataset, r->parameters};
+    const step s = {r->operation, r->dataset, r->parameters, r->inputs};
     vvi_text text = {0};
     if (!dataset || !dataset->path)
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     const char *suffix;
     vv_status st = vvi_request_suffix(&suffix, r->operation, dataset, job);
-    if (st == VV_OK && (st = put_making(&text, r->world, r->dataset, job)) == VV_OK)
+    making lines = {&text, r->world, 0, job};
+    if (st == VV_OK && (st = put_making_of(&lines, r->dataset)) == VV_OK &&
+        (st = for_others(r->inputs, visit_making, &lines)) == VV_OK)
         st = put_step(&text, r->world, &s, "result", suffix, job);
     if (st == VV_OK)
         vvi_request_tell_text(r, &text);
@@ -356,17 +423,15 @@ static vv_status size_world(vvi_request *r, const vvi_client *client)
 static vv_status take_operation(vvi_request *r, const json_t *message)
 {
     const char *name = json_string_value(json_object_get(message, "operation"));
-    const char *dataset = json_string_value(json_object_get(message, "dataset"));
     const json_t *parameters = json_object_get(message, "parameters");
-    if (!name || !dataset)
+    if (!name)
         return vv_fail(VV_E_ARGUMENT, "'command' of an operation needs an operation and a dataset");
     r->operation = vv_registry_operation(vv_runtime_registry(r->session->options.runtime), name);
     if (!r->operation)
         return VV_E_NOT_FOUND;
-    r->dataset = vvi_strdup(dataset);
     r->parameters =
         parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
-    return r->dataset && (r->parameters || !parameters) ? VV_OK : vv_fail_memory(256);
+    return r->parameters || !parameters ? vvi_request_take_inputs(r, message) : vv_fail_memory(256);
 }
 
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)

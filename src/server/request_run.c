@@ -48,13 +48,6 @@ static bool makes_volume(const vv_operation *operation)
     return vv_operation_makes(operation) == VV_IS_FIELD;
 }
 
-/* The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
-static vv_status open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job)
-{
-    *out = NULL;
-    return dataset->path && !dataset->fields ? vvi_dataset_open(out, dataset, job) : VV_OK;
-}
-
 /* Quickly written and mapped, unless that would lose what a header says. */
 static const char *volume_suffix(const vv_file *origin, vv_job *job)
 {
@@ -68,7 +61,7 @@ vv_status vvi_request_suffix(const char **out, const vv_operation *operation, co
     *out = ".ply";
     if (!makes_volume(operation))
         return VV_OK;
-    const vv_status st = open_origin(&origin, dataset, job);
+    const vv_status st = vvi_request_open_origin(&origin, dataset, job);
     *out = volume_suffix(origin, job);
     vv_file_close(origin);
     return st;
@@ -142,35 +135,30 @@ static void add_note(vvi_request *r, const char *text)
     free(before);
 }
 
+static void take_notes(vvi_request *r, const vv_job *job)
+{
+    vv_finding found;
+    for (size_t i = 0; vv_job_finding(&found, job, i); i++)
+        if (found.note || found.phrase)
+            add_note(r, found.note ? found.note : found.phrase);
+}
+
 /* As `volvis NAME` does it: all time steps, and with them what the file says. */
-static vv_status run_on(vvi_request *r, const vv_dataset *dataset, vv_job *job)
+static vv_status run_on(vvi_request *r, vv_job *job)
 {
     const vv_step step = {r->operation, r->params};
-    vv_run_input input = {.frame = -1, .name = r->dataset};
-    vv_field *held = NULL; /* what is shown is in memory */
-    vv_mesh *mesh = NULL;
+    vvi_request_inputs inputs;
     vv_run *run = NULL;
-    vv_finding found;
-    vv_status st = VV_OK;
-    if (vv_dataset_is_mesh(dataset, job))
-        st = vv_dataset_mesh(&mesh, dataset, job);
-    else if ((st = open_origin(&input.file, dataset, job)) == VV_OK &&
-             (!input.file || !makes_volume(r->operation) || vv_file_info(input.file)->n_frames == 1))
-        st = vv_dataset_field(&held, dataset, NULL, 0, job);
-    input.mesh = mesh;
-    input.field = held;
+    vv_status st = vvi_request_open_inputs(&inputs, r, job);
     if (st == VV_OK)
-        st = name_file(r, makes_volume(r->operation) ? volume_suffix(input.file, job) : ".ply");
-    if (st == VV_OK && (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path},
+        st = name_file(r, makes_volume(r->operation) ? volume_suffix(inputs.input[0].file, job) : ".ply");
+    if (st == VV_OK && (st = vv_run_new(&run, inputs.input, inputs.n, &step, 1, &(vv_run_output){.path = r->path},
                                         r->operation->name, job)) == VV_OK)
         st = write_result(r, run);
-    for (size_t i = 0; st == VV_OK && vv_job_finding(&found, job, i); i++)
-        if (found.note)
-            add_note(r, found.note);
+    if (st == VV_OK)
+        take_notes(r, job);
     vv_run_release(run);
-    vv_field_release(held);
-    vv_mesh_release(mesh);
-    vv_file_close(input.file);
+    vvi_request_close_inputs(&inputs);
     return st;
 }
 
@@ -181,15 +169,11 @@ static vv_status run(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = dataset_of(r);
     if (!dataset)
         return VV_E_NOT_FOUND;
-    const bool mesh = o->inputs[0].is == VV_IS_MESH;
-    if (vv_dataset_is_mesh(dataset, job) != mesh)
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, and '%.64s' is %s", o->name, mesh ? "a mesh" : "a volume",
-                       r->dataset, mesh ? "a volume" : "a mesh");
     const vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
                                                 vv_runtime_registry(r->session->options.runtime), job);
     if (st != VV_OK)
         return st;
-    return run_on(r, dataset, job);
+    return run_on(r, job);
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */
@@ -206,8 +190,11 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, const char
     json_t *edits =
         json_pack("[{s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s}}]", "op", "add", "path", "datasets", "id", id, "value",
                   "path", r->path, "source", r->dataset, "operation", r->operation->name, "parameters", r->parameters);
+    json_t *value = json_object_get(json_array_get(edits, 0), "value");
     if (!makes_volume(r->operation))
-        json_object_set_new(json_object_get(json_array_get(edits, 0), "value"), "kind", json_string("mesh"));
+        json_object_set_new(value, "kind", json_string("mesh"));
+    if (r->inputs)
+        json_object_set_new(value, "inputs", json_string(r->inputs));
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
         char path[160];
@@ -275,8 +262,6 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     const vv_operation *row = vv_registry_operation(registry, operation);
     if (!row)
         return VV_E_NOT_FOUND;
-    if (vv_operation_least(row) > 1)
-        return vv_fail(VV_E_UNSUPPORTED, "%s takes several inputs; use the command line", operation);
     if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no results");
     vv_status st = vvi_request_new(&r, client, id, row->name, run);
@@ -285,10 +270,11 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->operation = row;
     r->task.done = done;
     r->task.stays = true;
-    r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
                                : vvi_strdup("{}");
-    st = r->dataset && r->parameters ? check_parameters(r->parameters) : vv_fail_memory(256);
+    st = r->parameters ? check_parameters(r->parameters) : vv_fail_memory(256);
+    if (st == VV_OK)
+        st = vvi_request_take_inputs(r, message);
     if (st == VV_OK)
         st = vvi_session_make_room(client->session, 1);
     if (st == VV_OK)

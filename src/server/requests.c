@@ -23,6 +23,7 @@ static void drop(vvi_task *task)
     free(r->name);
     free(r->dataset);
     free(r->parameters);
+    free(r->inputs);
     free(r->note);
     free(r);
 }

@@ -105,6 +105,23 @@ static void tell_classes(vvi_result *out, const vv_registry *registry)
     vvi_result_close(out, '}');
 }
 
+static void tell_operands(vvi_result *out, const vv_operation *row)
+{
+    vvi_result_open(out, "inputs", '[');
+    for (const vv_operand *o = row->inputs; o->name; o++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", o->name);
+        vvi_result_string(out, "doc", o->doc);
+        vvi_result_bool(out, "volume", (o->is & VV_IS_FIELD) != 0);
+        vvi_result_bool(out, "mesh", (o->is & VV_IS_MESH) != 0);
+        vvi_result_unsigned(out, "least", o->least);
+        vvi_result_unsigned(out, "most", o->most);
+        vvi_result_bool(out, "named", o->named);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
 static void tell_operations(vvi_result *out, const vv_registry *registry)
 {
     char name[96];
@@ -116,8 +133,7 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
         vvi_result_string(out, "doc", (*row)->doc);
         snprintf(name, sizeof name, "operation.%s", (*row)->name);
         vvi_result_string(out, "class", name);
-        vvi_result_unsigned(out, "inputs", vv_operation_least(*row));
-        vvi_result_string(out, "takes", (*row)->inputs[0].is == VV_IS_MESH ? "mesh" : "volume");
+        tell_operands(out, *row);
         vvi_result_string(out, "gives", vv_operation_makes(*row) == VV_IS_MESH ? "mesh" : "volume");
         vvi_result_close(out, '}');
     }

@@ -69,8 +69,8 @@ async def by_page(page, operation, dataset, notes):
 
 
 def rows(takes):
-    return [row["name"] for row in ok("operations", "--json").json["operations"] if row["min_inputs"] == 1 and
-            (row["name"] in ("simplify", "smooth")) == (takes == "mesh")]
+    return [row["name"] for row in ok("operations", "--json").json["operations"]
+            if row["min_inputs"] == 1 and row["inputs"][0]["takes"] == takes]
 
 
 def results(path, notes=None):
@@ -176,6 +176,32 @@ def test_results_of_results_keep_them_too():
         out = nib.load(path).header
     assert out["sform_code"] == 4 and b"contrast 3" in bytes(out["descrip"])
     assert lines.split("\n")[-1].endswith(".nii'"), lines
+
+
+def test_other_inputs_are_given_by_name():
+    write_ball("ball.nrrd", 24)
+    write_nrrd("ramp.nrrd", (24, 24, 24), lambda x, y, z: x)
+    ok("isosurface", "ball.nrrd", "ramp.nrrd", "-o", "program.ply")
+
+    async def work():
+        async with Page(server) as page:
+            asked = {"operation": "isosurface", "dataset": "ball", "parameters": {}}
+            for inputs, part in (({"value": "ramp"}, "values"), ({"values": "rump"}, "rump"), ({"values": 5}, "name of a dataset"),
+                                 ([], "object"), ({"values": "ball-isosurface"}, "mesh")):
+                if part == "mesh":
+                    await page.ask("run", **asked)
+                    await page.until(lambda: "ball-isosurface" in page.world["world"]["datasets"])
+                says((await page.answer("run", **asked, inputs=inputs))["error"], part)
+            made = (await page.ask("run", **asked, inputs={"values": "ramp"}))["dataset"]
+            await page.until(lambda: made in page.world["world"]["datasets"])
+            lines = (await page.ask("command", operation="simplify", dataset=made, parameters={}))["text"]
+            return page.world["world"]["datasets"][made], lines
+    with Server("ball.nrrd", "ramp.nrrd") as server:
+        dataset, lines = run(work())
+        with open(dataset["path"], "rb") as page, open("program.ply", "rb") as program:
+            assert page.read() == program.read()
+    assert json.loads(dataset["inputs"]) == {"values": "ramp"}
+    says(lines, " values='", "ramp.nrrd' -o 'ball-isosurface-2.ply'")
 
 
 def test_parameters_that_are_no_object_are_a_sentence():

@@ -135,7 +135,7 @@ function operations(): Action[] {
     doc: operation.doc,
     group: label(operation.component),
     icon: "operation" as const,
-    enabled: () => mayEdit() && store.datasetsFor(operation).length > 0,
+    enabled: () => mayEdit() && store.datasetsFor(operation.inputs[0]).length > 0,
     run: () => { store.dialog.value = { name: "operation", operation: operation.name }; },
   }));
 }

@@ -30,13 +30,23 @@ export interface ObjectClass {
   properties: Property[];
 }
 
+/** An input of an operation. */
+export interface Operand {
+  name: string;
+  doc: string;
+  volume: boolean;
+  mesh: boolean;
+  least: number;
+  most: number;
+  named: boolean;
+}
+
 export interface Operation {
   name: string;
   component: string;
   doc: string;
   class: string;
-  inputs: number;
-  takes: "volume" | "mesh";
+  inputs: Operand[];
   gives: "volume" | "mesh";
 }
 

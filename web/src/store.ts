@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ConnectionState } from "./connection";
 import type { Frame } from "./frames";
-import type { Histogram, JobMessage, Json, JsonObject, Notice, Operation, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
+import type { Histogram, JobMessage, Json, JsonObject, Notice, Operand, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
 import { isObject, valueAt, type Classes } from "./values";
 
 export const connection = signal<{ state: ConnectionState; why: string }>({ state: "connecting", why: "" });
@@ -131,9 +131,9 @@ export function isMeshData(dataset: string): boolean {
 }
 
 /** What an operation can be done to; first what the current volume shows. */
-export function datasetsFor(operation: Operation): string[] {
+export function datasetsFor(operand: Operand | undefined): string[] {
   const shown = currentVolume.value ? datasetOf(currentVolume.value) : null;
-  const fit = idsOf("datasets").filter((id) => isMeshData(id) === (operation.takes === "mesh"));
+  const fit = idsOf("datasets").filter((id) => operand && (isMeshData(id) ? operand.mesh : operand.volume));
   return shown && fit.includes(shown) ? [shown, ...fit.filter((id) => id !== shown)] : fit;
 }
 
