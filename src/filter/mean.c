@@ -1,4 +1,5 @@
 /* Mean: each sample becomes the mean of those in the window around it. */
+#include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/mean_lines.h"
@@ -10,7 +11,6 @@
 #include <string.h>
 
 #define WINDOW_MOST ((int64_t)1 << 21) /* samples: their sums are exact as doubles */
-#define SMALL_MOST 32767               /* of them, of 16 bits, sum up to 31 bits */
 
 static const vv_property properties[] = {VVI_WINDOW_PROPERTIES, {0}};
 
@@ -34,7 +34,9 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 typedef struct shared {
     vvi_making making;
     const vv_field_info *info;
-    const vvi_mean_lines *lines;
+    const vvi_mean_kernels *kernels;
+    vvi_mean_number number;
+    size_t bytes; /* of one */
     int64_t radius[3];
     int64_t window; /* samples of it */
     vv_job *job;
@@ -70,7 +72,7 @@ static vv_status start(void **scratch_out, void *user, int worker)
     own->numbers = 1;
     for (int a = 0; a < 3; a++)
         own->numbers *= (size_t)(s->making.slabs.step[a] + 2 * s->radius[a]);
-    const size_t bytes = own->numbers * s->lines->bytes;
+    const size_t bytes = own->numbers * s->bytes + VVI_MEAN_GUARD;
     const size_t row = (size_t)s->making.slabs.step[0] * sizeof *own->row;
     own->block = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
     own->room = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
@@ -108,11 +110,11 @@ static void gather_row(char *out, const shared *s, const tile *t, int64_t j, int
 {
     const int64_t *lo = s->making.brick.box.lo, *n = s->making.brick.box.n, *r = s->radius;
     const int64_t y = clamp(t->box.lo[1] - r[1] + j, lo[1], n[1]), z = clamp(t->box.lo[2] - r[2] + k, lo[2], n[2]);
-    const int64_t x = t->box.lo[0] - r[0], end = x + t->dims[0], bytes = (int64_t)s->lines->bytes;
+    const int64_t x = t->box.lo[0] - r[0], end = x + t->dims[0], bytes = (int64_t)s->bytes;
     const int64_t first = clamp(x, lo[0], n[0]), last = clamp(end - 1, lo[0], n[0]);
     char *inside = out + (first - x) * bytes;
-    s->lines->load(inside, samples_at(s, first, y, z, t->component), s->making.brick.stride[0], s->info->type,
-                   last - first + 1);
+    vvi_mean_load(inside, s->number, samples_at(s, first, y, z, t->component), s->making.brick.stride[0], s->info->type,
+                  last - first + 1);
     for (int64_t i = x; i < first; i++)
         memcpy(out + (i - x) * bytes, inside, (size_t)bytes);
     for (int64_t i = last + 1; i < end; i++)
@@ -124,14 +126,18 @@ static vv_status mask_nan(bool *any, scratch *own, const shared *s, size_t n)
 {
     double *v = (double *)(void *)own->block;
     *any = false;
-    for (size_t i = 0; i < n && vv_type_is_float(s->info->type); i++)
-        *any |= isnan(v[i]) != 0;
-    if (!*any)
+    if (!vv_type_is_float(s->info->type))
         return VV_OK;
+    int64_t missing = 0;
+    for (size_t i = 0; i < n; i++)
+        missing += v[i] != v[i];
+    if (missing == 0)
+        return VV_OK;
+    *any = true;
     if (!own->mask)
-        own->mask = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->mask, VVI_MEM_SCRATCH);
+        own->mask = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->mask + VVI_MEAN_GUARD, VVI_MEM_SCRATCH);
     if (!own->other)
-        own->other = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->other, VVI_MEM_SCRATCH);
+        own->other = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->other + VVI_MEAN_GUARD, VVI_MEM_SCRATCH);
     if (!own->mask || !own->other)
         return vv_fail_memory(own->numbers * sizeof *own->mask);
     for (size_t i = 0; i < n; i++) {
@@ -154,14 +160,14 @@ static void restore_row(char *out, const shared *s, const tile *t, int64_t j, in
     }
 }
 
-static void write_row(char *out, double *row, const vv_field_info *info, int64_t n)
+static void divide(double *row, const double *counts, double window, int64_t n)
 {
-    const size_t each = vv_type_bytes(info->type), step = each * (size_t)info->components;
-    if (info->components == 1)
-        vvi_samples_from_f64(out, row, info->type, (size_t)n);
+    if (counts)
+        for (int64_t i = 0; i < n; i++)
+            row[i] /= counts[i];
     else
         for (int64_t i = 0; i < n; i++)
-            vvi_samples_from_f64(out + (size_t)i * step, row + i, info->type, 1);
+            row[i] /= window;
 }
 
 static vv_status write_tile(scratch *own, const shared *s, const tile *t)
@@ -172,21 +178,20 @@ static vv_status write_tile(scratch *own, const shared *s, const tile *t)
     bool odd;
     for (int64_t k = 0; k < t->dims[2]; k++)
         for (int64_t j = 0; j < t->dims[1]; j++)
-            gather_row(own->block + (size_t)((k * t->dims[1] + j) * t->dims[0]) * s->lines->bytes, s, t, j, k);
+            gather_row(own->block + (size_t)((k * t->dims[1] + j) * t->dims[0]) * s->bytes, s, t, j, k);
     const vv_status st = mask_nan(&odd, own, s, n);
     if (st != VV_OK)
         return st;
-    const char *sums = s->lines->sum(own->block, own->room, t->dims, s->radius);
+    const char *sums = vvi_mean_sums(own->block, own->room, s->number, t->dims, s->radius, s->kernels);
     if (odd)
-        counts = vvi_mean_lines_f64.sum(own->mask, own->other, t->dims, s->radius);
+        counts = vvi_mean_sums(own->mask, own->other, VVI_MEAN_F64, t->dims, s->radius, s->kernels);
     for (int64_t k = 0; k < t->box.n[2]; k++)
         for (int64_t j = 0; j < t->box.n[1]; j++) {
             const int64_t at = (k * t->dims[1] + j) * t->dims[0];
             const int64_t to = vvi_slabs_row(&s->making.slabs, &t->box, j, k) * s->info->components + t->component;
-            s->lines->give(own->row, sums + (size_t)at * s->lines->bytes, t->box.n[0]);
-            for (int64_t i = 0; i < t->box.n[0]; i++)
-                own->row[i] /= counts ? counts[at + i] : (double)s->window;
-            write_row(s->making.out + to * each, own->row, s->info, t->box.n[0]);
+            vvi_mean_give(own->row, sums, s->number, at, t->box.n[0]);
+            divide(own->row, counts ? counts + at : NULL, (double)s->window, t->box.n[0]);
+            vvi_mean_store(s->making.out + to * each, each * s->info->components, own->row, s->info->type, t->box.n[0]);
             if (odd)
                 restore_row(s->making.out + to * each, s, t, j, k);
         }
@@ -205,13 +210,6 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     return st;
 }
 
-static const vvi_mean_lines *lines_for(vv_type type, int64_t window)
-{
-    if (vv_type_is_float(type) || vv_type_bytes(type) == 8)
-        return &vvi_mean_lines_f64;
-    return vv_type_bytes(type) <= 2 && window <= SMALL_MOST ? &vvi_mean_lines_i32 : &vvi_mean_lines_i64;
-}
-
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
 {
@@ -226,7 +224,9 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
         return st;
     for (int a = 0; a < 3; a++)
         s.window *= 2 * s.radius[a] + 1;
-    s.lines = lines_for(info.type, s.window);
+    s.kernels = vvi_mean_kernels_for(vvi_job_cpu(job));
+    s.number = vvi_mean_number_for(info.type, s.window);
+    s.bytes = vvi_mean_number_bytes(s.number);
     s.making.slabs = vvi_window_wide_tiles(box, s.radius);
     const vv_box needed = vvi_window_reach(box, s.radius, info.grid.dims);
     return vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);

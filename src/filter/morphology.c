@@ -151,7 +151,7 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     vv_status st = VV_OK;
     for (int64_t c = 0; c < s->info->components && st == VV_OK; c++) {
         bool odd = false;
-        vvi_dilated out;
+        vvi_dilated out = {0};
         for (int64_t k = 0; k < n[2]; k++)
             for (int64_t j = 0; j < n[1]; j++)
                 odd |= gather_row(own->keys + (k * n[1] + j) * n[0] * key_bytes(s), own, s, box.lo[0] - r[0],
@@ -211,14 +211,15 @@ vv_status vvi_morphology_of_values(vv_field **out, const vv_field *in, const vv_
     const int64_t *r = m->element.radius;
     const bool along = m->element.box && (r[0] > ALONG || r[1] > ALONG || r[2] > ALONG);
     pass passes[6];
-    int n = 0;
-    for (int step = 0; step < m->n_steps; step++)
+    int n = 0, step = 0;
+    do {
         for (int a = 0; a < (along ? 3 : 1); a++) {
             passes[n] = (pass){.element = m->element, .erodes = m->erodes[step]};
             if (along)
                 passes[n].element = vvi_element_along(&m->element, a);
             n++;
         }
+    } while (++step < m->n_steps);
     *out = NULL;
     return run_passes(out, in, box, passes, n, m->name, job);
 }

@@ -3,6 +3,7 @@
 #include "filter/dilation.h"
 #include "filter/morphology.h"
 #include "filter/near_offsets.h"
+#include "filter/one_label.h"
 #include "grid/label_set.h"
 #include "grid/making.h"
 
@@ -308,32 +309,46 @@ static int by_unsigned_id(const void *a, const void *b)
     return vvi_label_compare(((const label *)a)->id, ((const label *)b)->id, true);
 }
 
-static void put_id(char *out, vv_label_id id, vv_type type)
+#define FILL(ctype)                                                                                                    \
+    for (int64_t i = 0; i < n; i++)                                                                                    \
+        memcpy(out + i * step, sample, sizeof(ctype));                                                                 \
+    break
+
+/* A label as samples, n of them. */
+static void put_run(char *out, int64_t step, vv_label_id id, vv_type type, int64_t n)
 {
     const double v = (double)id;
+    char sample[sizeof id];
     if (vv_type_bytes(type) == sizeof id && !vv_type_is_float(type))
-        memcpy(out, &id, sizeof id);
+        memcpy(sample, &id, sizeof id);
     else
-        vvi_samples_from_f64(out, &v, type, 1);
+        vvi_samples_from_f64(sample, &v, type, 1);
+    switch (vv_type_bytes(type)) {
+    case 1:
+        FILL(uint8_t);
+    case 2:
+        FILL(uint16_t);
+    case 4:
+        FILL(uint32_t);
+    default:
+        FILL(uint64_t);
+    }
 }
 
-/* `at` by cell: its label. */
 static void write_tile(const scratch *own, const shared *s, const tile *t)
 {
-    const int64_t each = (int64_t)vv_type_bytes(s->info->type), step = each * s->info->components;
+    const int64_t each = (int64_t)vv_type_bytes(s->info->type), step = each * s->info->components, n = t->box.n[0];
     const uint32_t *from = own->result;
     for (int64_t k = 0; k < t->box.n[2]; k++)
-        for (int64_t j = 0; j < t->box.n[1]; j++, from += t->box.n[0]) {
+        for (int64_t j = 0; j < t->box.n[1]; j++, from += n) {
             char *out = s->making.out + vvi_slabs_row(&s->making.slabs, &t->box, j, k) * step + t->component * each;
-            for (int64_t i = 0; i < t->box.n[0]; i++) {
-                if (i > 0 && from[i] == from[i - 1]) {
-                    memcpy(out + i * step, out + (i - 1) * step, (size_t)each);
-                    continue;
-                }
+            for (int64_t i = 0, end; i < n; i = end) {
                 const label *l = own->labels;
+                for (end = i + 1; end < n && from[end] == from[i];)
+                    end++;
                 while (l->cell != from[i])
                     l++;
-                put_id(out + i * step, l->id, s->info->type);
+                put_run(out + i * step, step, l->id, s->info->type, end - i);
             }
         }
 }
@@ -372,6 +387,25 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     return st;
 }
 
+/* Of two values, the greater of which is a label, the greatest and the least are what labels become, and quick. */
+static vv_status as_values(bool *out, const vv_field *in, const vv_box *box, const vvi_morphology *m,
+                           const vv_label_id *only, vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(in);
+    vv_label_id id = 0;
+    int64_t margin[3];
+    *out = false;
+    for (int a = 0; a < 3; a++)
+        margin[a] = m->n_steps * m->element.radius[a];
+    if (info->components != 1 || vv_type_is_float(info->type) || info->value_scale < 0)
+        return VV_OK;
+    const vv_box needed = vvi_window_reach(box, margin, info->grid.dims);
+    const vv_status st = vvi_one_label(out, &id, in, &needed, job);
+    if (id < 0 || (only && *only != id))
+        *out = false;
+    return st;
+}
+
 vv_status vvi_morphology_of_labels(vv_field **out, const vv_field *in, const vv_box *box, const vvi_morphology *m,
                                    const vv_label_id *only, vv_job *job)
 {
@@ -379,7 +413,12 @@ vv_status vvi_morphology_of_labels(vv_field **out, const vv_field *in, const vv_
     const vv_field_info *info = vv_field_get_info(in);
     shared s = {.making = {.in = in}, .info = info, .m = m, .only = only, .job = job};
     vv_status st = VV_OK;
+    bool two_values;
     *out = NULL;
+    if ((st = as_values(&two_values, in, box, m, only, job)) != VV_OK)
+        return st;
+    if (two_values)
+        return vvi_morphology_of_values(out, in, box, m, job);
     for (int a = 0; a < 3; a++)
         s.margin[a] = m->n_steps * m->element.radius[a];
     if (m->n_steps == 1 && !m->erodes[0])

@@ -108,20 +108,20 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
 MORPHOLOGY(dilate, 1, false,
            "the greatest value of an element around each sample: what is bright grows; labels grow over what has none, "
            "where several come the nearest has it; beyond the border nothing counts",
-           "volvis dilate labels.nrrd -o larger.nrrd --radius 2mm");
+           "volvis dilate cells.nrrd -o larger.nrrd --radius 2vox");
 MORPHOLOGY(erode, 1, true,
            "the least value of an element around each sample: what is bright shrinks; labels stay where they fill the "
            "element; beyond the border nothing counts",
-           "volvis erode labels.nrrd -o smaller.nrrd --radius 2mm");
+           "volvis erode cells.nrrd -o smaller.nrrd --radius 2vox");
 MORPHOLOGY(
     open, 2, true,
     "erode, then dilate: what is bright, or has a label, and is narrower than the element goes, and the rest stays",
-    "volvis open labels.nrrd -o clean.nrrd --radius 1.5mm");
+    "volvis open cells.nrrd -o clean.nrrd --radius 1.5vox");
 MORPHOLOGY(
     close, 2, false,
     "dilate, then erode: gaps and holes that are narrower than the element are closed, of each label by itself, and "
     "the rest stays",
-    "volvis close labels.nrrd -o whole.nrrd --radius 1.5mm");
+    "volvis close cells.nrrd -o whole.nrrd --radius 1.5vox");
 
 static const vv_class top_hat_class = {
     .name = "top-hat",
@@ -248,7 +248,7 @@ const vv_operation vvi_operation_top_hat = {
     .component = "filter",
     .doc = "how far each sample is above what `open` makes of it: what is bright and smaller than the element, without "
            "its surroundings; with --dark how far it is below what `close` makes of it",
-    .example = "volvis top-hat vessels.nrrd -o thin.nrrd --radius 3mm",
+    .example = "volvis top-hat head.nrrd -o thin.nrrd --radius 3mm",
     .params = &top_hat_class,
     .inputs = VV_ONE_VOLUME,
     .run_box = top_hat_box,

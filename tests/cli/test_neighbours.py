@@ -54,6 +54,66 @@ def test_in_little_memory_it_is_the_same():
         assert open("whole.npy", "rb").read() == open("parts.npy", "rb").read(), words
 
 
-VERBS = [("mean",)]
+VERBS = [("mean",), ("unsharp", "--sigma", "2"), ("gradient",), ("gradient", "--sigma", "1.5"), ("gradient", "--vector"),
+         ("laplacian", "--sigma", "1")]
+
+
+def smoothed(data, sigma):
+    return ndimage.gaussian_filter(data.astype("f8"), [sigma if n > 1 else 0 for n in data.shape], mode="nearest", truncate=4)
+
+
+def slopes(data):
+    """Along z, y, x; 0 along axes of one sample."""
+    return [np.gradient(data.astype("f8"), axis=a) if n > 1 else 0 * data.astype("f8") for a, n in enumerate(data.shape)]
+
+
+def test_gradient_is_that_of_numpy():
+    need_scipy()
+    for kind in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"):
+        for shape in ((7, 11, 131), (5, 9, 13), (1, 17, 19)):
+            data = samples(kind, shape)
+            want = slopes(data)
+            assert near(run("gradient", data), sum(w**2 for w in want) ** 0.5, "f4"), (kind, shape)
+            got = run("gradient", data, "--vector")
+            assert near(got, np.stack(want[::-1], -1), "f4"), (kind, shape)
+
+
+def test_gradient_and_laplacian_of_smoothed_samples():
+    need_scipy()
+    for kind in ("u1", "i2", "f4", "f8"):
+        data = samples(kind, (15, 21, 33))
+        size = np.abs(data.astype("f8")).max()
+        smooth = smoothed(data, 1.5)
+        want = sum(w**2 for w in slopes(smooth)) ** 0.5
+        assert np.abs(run("gradient", data, "--sigma", "1.5") - want).max() < 2e-6 * size, kind
+        want = ndimage.laplace(smooth, mode="nearest")
+        assert np.abs(run("laplacian", data, "--sigma", "1.5") - want).max() < 1e-5 * size, kind
+
+
+def test_laplacian_is_that_of_scipy():
+    need_scipy()
+    for kind in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"):
+        for shape in ((7, 11, 131), (5, 9, 13), (1, 17, 19)):
+            data = samples(kind, shape)
+            want = ndimage.laplace(data.astype("f8"), mode="nearest")
+            got = run("laplacian", data)
+            assert np.abs(got - want).max() <= 1e-6 * np.abs(want).max(), (kind, shape)
+
+
+def test_unsharp_is_its_formula_with_scipys_gaussian():
+    need_scipy()
+    for kind in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"):
+        data = samples(kind, (9, 14, 33))
+        value = data.astype("f8")
+        difference = value - smoothed(data, 2)
+        small = np.percentile(np.abs(difference), 30)
+        want = value + np.where(np.abs(difference) >= small, 0.75 * difference, 0)
+        got = run("unsharp", data, "--sigma", "2", "--amount", "0.75", "--threshold", repr(float(small)))
+        size = np.abs(value).max()
+        if kind[0] != "f":
+            want = np.clip(np.rint(want), np.iinfo(kind).min, np.iinfo(kind).max)
+        far = np.abs(got - want) > (1 if kind[0] != "f" else 0) + 2e-6 * size
+        assert got.dtype == data.dtype and far.mean() < 1e-3, kind  # one or two lie at the threshold
+
 
 main()

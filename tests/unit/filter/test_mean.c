@@ -1,5 +1,7 @@
 /* Means against adding up every window in long doubles, for every type, size and radius. */
+#include "core/cpu.h"
 #include "fields.h"
+#include "filter/mean_kernel.h"
 #include "grid/field.h"
 #include "jobs.h"
 #include "operations.h"
@@ -171,6 +173,29 @@ static void any_box_is_a_part_of_the_whole(void **state)
     vv_field_release(in);
 }
 
+static void every_instruction_set_gives_the_same(void **state)
+{
+    (void)state;
+    static uint64_t rows[3][300 + VVI_MEAN_GUARD / 8], want[300], got[300];
+    for (int r = 0; r < 3; r++)
+        for (size_t i = 0; i < sizeof rows[r] / sizeof *rows[r]; i++) {
+            const double v = test_random_unit((uint64_t)r, i);
+            memcpy(&rows[r][i], &v, sizeof v);
+        }
+    for (size_t b = 0; vvi_mean_kernels_nth(b); b++)
+        for (int number = 0; number < VVI_MEAN_NUMBERS; number++)
+            for (int n = 2; n <= 3; n++) {
+                const vvi_mean_kernels *kernels = vvi_mean_kernels_nth(b);
+                if (kernels->needs & ~vvi_cpu_detect())
+                    continue;
+                memset(want, 0, sizeof want);
+                memset(got, 0, sizeof got);
+                vvi_mean_kernels_for(0)->join[number](want, rows[0], rows[1], n == 3 ? rows[2] : NULL, 297);
+                kernels->join[number](got, rows[0], rows[1], n == 3 ? rows[2] : NULL, 297);
+                assert_memory_equal(got, want, sizeof want);
+            }
+}
+
 static void what_makes_no_sense_is_refused(void **state)
 {
     (void)state;
@@ -187,9 +212,13 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_and_window_equals_a_sum), cmocka_unit_test(all_sizes_equal_a_sum),
-        cmocka_unit_test(nan_do_not_count_and_stay),          cmocka_unit_test(large_numbers_stay_where_they_are),
-        cmocka_unit_test(any_box_is_a_part_of_the_whole),     cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(every_type_and_window_equals_a_sum),
+        cmocka_unit_test(all_sizes_equal_a_sum),
+        cmocka_unit_test(nan_do_not_count_and_stay),
+        cmocka_unit_test(large_numbers_stay_where_they_are),
+        cmocka_unit_test(any_box_is_a_part_of_the_whole),
+        cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(every_instruction_set_gives_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -258,7 +258,8 @@ static vv_field *some_labels(const int64_t dims[3], vv_type type, int density, u
     assert_int_equal(vv_field_new_empty(&out, &data, &info, NULL), VV_OK);
     for (size_t i = 0; i < (size_t)(dims[0] * dims[1] * dims[2]); i++) {
         const uint64_t random = test_random(seed, i / 2);
-        const double id = random % (uint64_t)density ? 0 : (double)(1 + random / 64 % 5 * 25);
+        const double one = random % 3 ? 0 : 26, some = (double)(1 + random / 64 % 5 * 25);
+        const double id = density == 0 ? one : random % (uint64_t)density ? 0 : some;
         vvi_samples_from_f64((char *)data + i * vv_type_bytes(type), &id, type, 1);
     }
     return out;
@@ -350,9 +351,9 @@ static void labels_equal_a_look_at_all_of_the_element(void **state)
     static const vv_operation *const operations[] = {&vvi_operation_dilate, &vvi_operation_erode, &vvi_operation_open,
                                                      &vvi_operation_close};
     static const int64_t sizes[][3] = {{11, 7, 6}, {1, 9, 8}, {140, 4, 1}};
-    static const int densities[] = {2, 6, 40};
+    static const int densities[] = {2, 6, 40, 0}; /* 0: one label alone */
     offset o[125];
-    for (int t = 0; t < 36; t++) {
+    for (int t = 0; t < 48; t++) {
         const int64_t *dims = sizes[t / 4 % 3];
         const vv_type type = (vv_type)(t % 8);
         vv_field *in = some_labels(dims, type, densities[t / 12], (uint64_t)t);
