@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "server/request.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -87,6 +88,7 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
                        .id = id,
                        .value = {.compact = true}};
     memcpy(r->view, client->view, sizeof r->view);
+    snprintf(r->task.address, sizeof r->task.address, "%s", client->address);
     r->world = vv_model_snapshot(client->session->model);
     *out = r;
     return VV_OK;

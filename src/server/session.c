@@ -11,8 +11,11 @@
 #include <time.h>
 
 #define FOREVER (INT64_C(3600) * 1000000000)
-/* Of different people; the pool's threads are shared by all of them. */
+/* Of different people; the pool's threads are shared by all of them. After a second nobody waits for a job's end, and
+ * that of a page which left goes on for a minute though others wait for its place: its owner may be back for it. */
 enum { JOBS_AT_ONCE = 3, QUESTIONS_AT_ONCE = 2 };
+#define FRESH (INT64_C(1000) * 1000000)
+#define KEPT (INT64_C(60) * 1000000000)
 #define JOB_NOTICE (INT64_C(100) * 1000000)
 
 int64_t vvi_now(void)
@@ -129,6 +132,18 @@ vv_status vvi_session_bind(vvi_session *s, const char *bindings)
     return st;
 }
 
+static vv_status new_tasks(vvi_tasks **out, const vvi_session *s, const char *name, size_t at_once)
+{
+    const vvi_tasks_options options = {.name = name,
+                                       .at_once = at_once,
+                                       .most = VVI_TASKS_MOST,
+                                       .fresh = FRESH,
+                                       .kept = KEPT,
+                                       .wake = s->options.wake,
+                                       .user = s->options.user};
+    return vvi_tasks_new(out, s->options.runtime, &options);
+}
+
 vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
 {
     vvi_session *s = vvi_calloc(1, sizeof *s);
@@ -156,10 +171,9 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     if (st == VV_OK)
         st = vvi_painter_new(&s->painter, options->runtime, options->wake, options->user);
     if (st == VV_OK)
-        st = vvi_tasks_new(&s->slow, options->runtime, "vv-jobs", JOBS_AT_ONCE, options->wake, options->user);
+        st = new_tasks(&s->slow, s, "vv-jobs", JOBS_AT_ONCE);
     if (st == VV_OK)
-        st =
-            vvi_tasks_new(&s->quick, options->runtime, "vv-questions", QUESTIONS_AT_ONCE, options->wake, options->user);
+        st = new_tasks(&s->quick, s, "vv-questions", QUESTIONS_AT_ONCE);
     if (st == VV_OK)
         *out = s;
     else

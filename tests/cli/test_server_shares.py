@@ -72,6 +72,29 @@ def test_what_is_soon_done_waits_for_no_ones_large_picture():
         run(work())
 
 
+def test_jobs_that_take_minutes_keep_nobody_else_waiting():
+    write_ball("small.nrrd", 16)
+    ok("resample", "small.nrrd", "--dims", "200,200,200", "-o", "ball.nrrd")
+    with Server("ball.nrrd", "--root", ".", verb="serve") as server:
+        async def work():
+            long = {"operation": "median", "dataset": "ball", "parameters": {"radius": "9vox"}}  # about a minute alone
+            async with Page(server, 64, 64) as one, Page(server, 64, 64) as two, Page(server, 64, 64) as three, \
+                    Page(server, 64, 64) as four, Page(server, 64, 64) as five:
+                await four.resting()
+                for page in (one, two, three):
+                    for number in (1000, 1001):
+                        await page.say("run", id=number, **long)
+                running = await four.until(lambda: (jobs := {m["job"] for m in four.messages if m["type"] == "job"
+                                                             and m["state"] == "running"}) and len(jobs) == 3 and jobs)
+                assert (await four.ask("picture", width=64, height=64, name="p.png"))["url"]
+                assert await five.ask("open", path="small.nrrd", add=True) is None
+                ended = [m for m in four.messages if m["type"] == "job" and m["job"] in running and m["state"] != "running"]
+                assert not ended, ended
+                for number in range(1, 10):
+                    await four.ask("cancel", job=number)
+        run(work())
+
+
 def test_each_has_a_share_of_what_waits():
     with attacked("--spp", "16") as server:
         async def work():

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -64,16 +65,24 @@ static void drop(vvi_task *task)
     free(task);
 }
 
-static vvi_tasks *open_some(size_t at_once)
+/* Those that are fresh for ever are as many as may run. */
+static vvi_tasks *open_with(size_t at_once, size_t most, int64_t fresh, int64_t kept)
 {
+    const vvi_tasks_options options = {
+        .name = "vv-test", .at_once = at_once, .most = most, .fresh = fresh, .kept = kept, .wake = wake};
     vv_job *job = test_job(1, 0);
     vvi_tasks *tasks = NULL;
     n_done = n_dropped = 0;
     atomic_store(&n_run, 0);
     atomic_store(&gate, false);
-    assert_int_equal(vvi_tasks_new(&tasks, vv_job_runtime(job), "vv-test", at_once, wake, NULL), VV_OK);
+    assert_int_equal(vvi_tasks_new(&tasks, vv_job_runtime(job), &options), VV_OK);
     vv_job_release(job);
     return tasks;
+}
+
+static vvi_tasks *open_some(size_t at_once)
+{
+    return open_with(at_once, at_once, INT64_MAX, INT64_MAX);
 }
 
 static vvi_tasks *open_tasks(void)
@@ -382,6 +391,84 @@ static void what_has_ended_can_wait_for_what_ends_later(void **state)
     vvi_tasks_free(tasks);
 }
 
+static void add_at(vvi_tasks *tasks, const char *address, uint64_t owner, int number,
+                   vv_status (*run)(vvi_task *task, vv_job *job))
+{
+    int64_t n;
+    numbered *task = vvi_calloc(1, sizeof *task);
+    assert_non_null(task);
+    *task = (numbered){.task = {.name = "test", .run = run, .done = done, .drop = drop, .owner = owner, .stays = true},
+                       .number = number};
+    snprintf(task->task.address, sizeof task->task.address, "%s", address);
+    assert_int_equal(vvi_tasks_add(&n, tasks, &task->task, SHARE), VV_OK);
+}
+
+/* Two at once; each has one that does not end. */
+static void what_has_run_for_a_while_keeps_nobody_waiting(void **state)
+{
+    (void)state;
+    vvi_tasks *tasks = open_with(2, VVI_TASKS_MOST, 1000000, INT64_MAX);
+    for (int i = 1; i <= VVI_TASKS_MOST / 2; i++) {
+        add_at(tasks, "here", (uint64_t)i, i, run_until_told);
+        wait_until_one_runs(i);
+    }
+    add_at(tasks, "here", 20, 20, run_quickly); /* of an address half of them at most */
+    add_at(tasks, "there", 21, 21, run_quickly);
+    serve_until(tasks, 1);
+    assert_int_equal(done_order[0], 21);
+    usleep(5000);
+    assert_int_equal(atomic_load(&n_run), VVI_TASKS_MOST / 2 + 1);
+    atomic_store(&gate, true);
+    serve_until(tasks, VVI_TASKS_MOST / 2 + 2);
+    vvi_tasks_free(tasks);
+}
+
+/* What is fresh holds its place: the next is of another address, though those that ask there came first. */
+static void many_of_one_address_are_no_way_to_more(void **state)
+{
+    (void)state;
+    vvi_tasks *tasks = open_some(2);
+    add_at(tasks, "here", 1, 1, run_until_told);
+    add_at(tasks, "other", 2, 2, run_until_told);
+    wait_until_one_runs(2);
+    for (uint64_t owner = 10; owner < 30; owner++)
+        add_at(tasks, "here", owner, (int)owner, run_quickly);
+    add_at(tasks, "there", 30, 30, run_quickly);
+    assert_true(vvi_tasks_cancel(tasks, 2, 2));
+    serve_until(tasks, 2);
+    assert_int_equal(done_order[0], 2);
+    assert_int_equal(done_order[1], 30);
+    atomic_store(&gate, true);
+    serve_until(tasks, 23);
+    vvi_tasks_free(tasks);
+}
+
+static void who_has_left_gives_way_to_who_is_there_after_a_while(void **state)
+{
+    (void)state;
+    vvi_tasks *tasks = open_with(1, 1, 0, 20000000);
+    add_at(tasks, "here", 1, 1, run_until_told);
+    wait_until_one_runs(1);
+    vvi_tasks_leave(tasks, 1, SHARE);
+    usleep(40000); /* nobody waits: it goes on */
+    vvi_tasks_serve(tasks, NULL, NULL);
+    assert_int_equal(n_done, 0);
+    add_at(tasks, "here", 2, 2, run_quickly);
+    serve_until(tasks, 2);
+    assert_int_equal(done_order[0], 1);
+    assert_int_equal(done_status[0], VV_E_CANCELLED);
+    assert_int_equal(done_status[1], VV_OK);
+    add_at(tasks, "here", 3, 3, run_until_told); /* its owner is there: others wait */
+    wait_until_one_runs(3);
+    add_at(tasks, "there", 4, 4, run_quickly);
+    usleep(40000);
+    vvi_tasks_serve(tasks, NULL, NULL);
+    assert_int_equal(n_done, 2);
+    atomic_store(&gate, true);
+    serve_until(tasks, 4);
+    vvi_tasks_free(tasks);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -396,6 +483,9 @@ int main(void)
         cmocka_unit_test(who_has_none_running_does_not_wait_for_anothers_end),
         cmocka_unit_test(large_ones_run_one_at_a_time),
         cmocka_unit_test(what_has_ended_can_wait_for_what_ends_later),
+        cmocka_unit_test(what_has_run_for_a_while_keeps_nobody_waiting),
+        cmocka_unit_test(many_of_one_address_are_no_way_to_more),
+        cmocka_unit_test(who_has_left_gives_way_to_who_is_there_after_a_while),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
