@@ -229,9 +229,14 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
 
 static vv_status read_enum(int *out, const vv_property *p, const json_t *json, const vvi_place *place)
 {
-    char found[64];
-    const char *text = json_string_value(json), *name = text ? alias_of(p, text) : NULL;
+    char found[64], number[32];
+    const char *text = json_string_value(json);
     size_t n = 0;
+    if (json_is_integer(json) && strtod(p->names[0], NULL) != 0) { /* names that are numbers are typed as numbers */
+        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(json));
+        text = number;
+    }
+    const char *name = text ? alias_of(p, text) : NULL;
     for (; p->names[n]; n++) {
         if (name && !strcmp(p->names[n], name)) {
             *out = (int)n;
