@@ -24,15 +24,38 @@ static const vv_mesh_format *const mesh_formats[] = {
     &vvi_mesh_format_glb, &vvi_mesh_format_gltf, &vvi_mesh_format_vtp, NULL,
 };
 
+/* clang-format off */
 static const vv_operation *const operations[] = {
-    &vvi_operation_channel,  &vvi_operation_crop,      &vvi_operation_flip,
-    &vvi_operation_reorient, &vvi_operation_resample,  &vvi_operation_rescale,
-    &vvi_operation_gaussian, &vvi_operation_median,    &vvi_operation_dilate,
-    &vvi_operation_erode,    &vvi_operation_open,      &vvi_operation_close,
-    &vvi_operation_top_hat,  &vvi_operation_mean,      &vvi_operation_unsharp,
-    &vvi_operation_gradient, &vvi_operation_laplacian, &vvi_operation_isosurface,
-    &vvi_operation_simplify, &vvi_operation_smooth,    NULL,
+    &vvi_operation_channel,
+    &vvi_operation_crop,
+    &vvi_operation_flip,
+    &vvi_operation_reorient,
+    &vvi_operation_resample,
+    &vvi_operation_rescale,
+    &vvi_operation_gaussian,
+    &vvi_operation_median,
+    &vvi_operation_mean,
+    &vvi_operation_dilate,
+    &vvi_operation_erode,
+    &vvi_operation_open,
+    &vvi_operation_close,
+    &vvi_operation_top_hat,
+    &vvi_operation_unsharp,
+    &vvi_operation_gradient,
+    &vvi_operation_laplacian,
+    &vvi_operation_threshold,
+    &vvi_operation_components,
+    &vvi_operation_fill_holes,
+    &vvi_operation_calc,
+    &vvi_operation_bilateral,
+    &vvi_operation_diffuse,
+    &vvi_operation_denoise,
+    &vvi_operation_isosurface,
+    &vvi_operation_simplify,
+    &vvi_operation_smooth,
+    NULL,
 };
+/* clang-format on */
 
 static const vv_renderer *const renderers[] = {
     &vvi_renderer_raycast, &vvi_renderer_surface, &vvi_renderer_reduced, &vvi_renderer_boxes, &vvi_renderer_slice, NULL,

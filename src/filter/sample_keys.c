@@ -94,3 +94,13 @@ int64_t vvi_key_at(const void *keys, int64_t index, vv_type type)
         return ((const int64_t *)keys)[index];
     }
 }
+
+void vvi_sample_of_key(void *sample, int64_t key, vv_type type)
+{
+    const uint8_t byte = (uint8_t)key;
+    const int16_t two = (int16_t)key;
+    const int32_t four = (int32_t)key;
+    const void *const keys[4] = {&byte, &two, &four, &key};
+    const size_t bytes = vv_type_bytes(type);
+    vvi_samples_of_keys(sample, 8, keys[bytes == 8 ? 3 : bytes / 2], type, 1);
+}
