@@ -24,6 +24,7 @@ static const vv_mesh_format *const mesh_formats[] = {
     &vvi_mesh_format_glb, &vvi_mesh_format_gltf, &vvi_mesh_format_vtp, NULL,
 };
 
+/* clang-format off */
 static const vv_operation *const operations[] = {
     &vvi_operation_channel,
     &vvi_operation_crop,
@@ -39,6 +40,9 @@ static const vv_operation *const operations[] = {
     &vvi_operation_open,
     &vvi_operation_close,
     &vvi_operation_top_hat,
+    &vvi_operation_unsharp,
+    &vvi_operation_gradient,
+    &vvi_operation_laplacian,
     &vvi_operation_threshold,
     &vvi_operation_components,
     &vvi_operation_fill_holes,
@@ -48,14 +52,12 @@ static const vv_operation *const operations[] = {
     &vvi_operation_denoise,
     &vvi_operation_distance,
     &vvi_operation_grow,
-    &vvi_operation_unsharp,
-    &vvi_operation_gradient,
-    &vvi_operation_laplacian,
     &vvi_operation_isosurface,
     &vvi_operation_simplify,
     &vvi_operation_smooth,
     NULL,
 };
+/* clang-format on */
 
 static const vv_renderer *const renderers[] = {
     &vvi_renderer_raycast, &vvi_renderer_surface, &vvi_renderer_reduced, &vvi_renderer_boxes, &vvi_renderer_slice, NULL,

@@ -1,5 +1,5 @@
 #include "filter/smoothed.h"
-#include "core/memory.h"
+#include "filter/reals.h"
 #include "grid/making.h"
 #include "registry.h"
 
@@ -11,45 +11,31 @@
 
 typedef struct shared {
     vvi_making making;
-    vv_type from, to;
-    vv_job *job;
+    vv_type type;
 } shared;
-
-static vv_status start(void **scratch_out, void *user, int worker)
-{
-    const shared *s = user;
-    const size_t n = (size_t)(s->making.slabs.step[0] * s->making.brick.components);
-    *scratch_out = vvi_alloc(s->job, n * sizeof(double), VVI_MEM_SCRATCH);
-    return *scratch_out ? VV_OK : vv_fail_memory(n * sizeof(double));
-}
 
 static vv_status item(void *scratch, void *user, size_t index)
 {
     const shared *s = user;
     const vv_box box = vvi_slabs_item(&s->making.slabs, index);
     const vv_brick in = vvi_brick_part(&s->making.brick, &box);
-    const size_t n = (size_t)(box.n[0] * in.components), step = vv_type_bytes(s->to) * (size_t)in.components;
+    const bool wide = vvi_reals_wide(s->type);
+    const int64_t step = in.components * (int64_t)vvi_reals_bytes(wide), n = box.n[0] * in.components;
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
-            vvi_samples_to_f64(scratch, (const char *)in.data + j * in.stride[1] + k * in.stride[2], s->from, n);
-            vvi_samples_from_f64(s->making.out + (size_t)vvi_slabs_row(&s->making.slabs, &box, j, k) * step, scratch,
-                                 s->to, n);
+            const char *from = (const char *)in.data + j * in.stride[1] + k * in.stride[2];
+            vvi_reals_of_samples(s->making.out + vvi_slabs_row(&s->making.slabs, &box, j, k) * step, wide, from,
+                                 (int64_t)vv_type_bytes(s->type), s->type, n);
         }
     return VV_OK;
 }
 
-static void finish(void *scratch, void *user)
-{
-    vvi_free(scratch);
-}
-
 static vv_status to_floats(vv_field **out, const vv_field *in, const vv_box *box, vv_job *job)
 {
-    static const vvi_work work = {.stage = "smooth", .start = start, .item = item, .finish = finish};
+    static const vvi_work work = {.stage = "smooth", .item = item};
     vv_field_info info = *vv_field_get_info(in);
-    shared s = {.making = {.in = in, .slabs = vvi_slabs_of(box, 1 << 16)}, .from = info.type, .job = job};
-    s.to = info.type == VV_TYPE_F32 || vv_type_bytes(info.type) <= 2 ? VV_TYPE_F32 : VV_TYPE_F64;
-    info.type = s.to;
+    shared s = {.making = {.in = in, .slabs = vvi_slabs_of(box, 1 << 16)}, .type = info.type};
+    info.type = vvi_reals_wide(info.type) ? VV_TYPE_F64 : VV_TYPE_F32;
     info.meaning = VV_MEANING_SCALAR;
     return vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
 }

@@ -21,7 +21,6 @@ except ImportError:
 PARAMETERS = {"crop": {"x": "2..9", "z": "1:"}, "flip": {"axes": "xz"}, "gaussian": {"sigma": "1vox"}, "channel": {"components": "0"},
               "reorient": {"order": "zyx"}, "resample": {"spacing": "2vox"}, "rescale": {"type": "u8", "percentile": [1, 99]},
               "simplify": {"share": 0.5}}
-NEW_VALUES = {"rescale", "top-hat", "gradient", "laplacian"}  # of which nothing that a header says of values holds
 OPTIONS = {"components": "channel"}
 # operations whose results are no longer what the file calls its values
 NEW_VALUES = {"rescale", "top-hat", "threshold", "components", "distance", "gradient", "laplacian", "vesselness", "equalize", "calc", "window", "project"}
