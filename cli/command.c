@@ -295,7 +295,7 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
         code = CLI_EXIT_OUTPUT;
     else if (st == VV_OK && command.kept)
         code = CLI_EXIT_INTERRUPTED;
-    else if (st != VV_OK && cli_signals_came())
+    else if (st != VV_OK && cli_signals_came() && !command.served)
         code = report_interrupt(&command, json);
     else if (st != VV_OK)
         code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);

@@ -38,6 +38,7 @@ typedef struct cli_command {
     cli_progress progress;
     vvi_text text;           /**< the result for people, or as it is where `verbatim` */
     vvi_result json;         /**< the result for programs; an object that run() adds keys to */
+    bool served;             /**< a signal is how it ends: what fails at the end has failed by itself */
     bool verbatim;           /**< `text` is a document of its own (a schema, a script): the same with --json */
     vvi_text said;           /**< lines of the log, each with its line end: none is said twice */
     bool several;            /**< `json` is an array, of an object for each input */

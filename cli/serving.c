@@ -273,9 +273,14 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
         return st;
     if ((st = open_server(&server, &options, command, root)) == VV_OK)
         st = run_server(server, command, serving->opens_browser, root);
-    vvi_server_free(server, false);
     free(root);
-    return st;
+    command->served = st == VV_OK;
+    if (st == VV_OK)
+        return vvi_server_free(server, false);
+    vvi_error_copy why;
+    vvi_error_take(&why);
+    vvi_server_free(server, false);
+    return vvi_error_put(&why);
 }
 
 vv_status cli_serve(cli_command *command, const cli_serving *serving)

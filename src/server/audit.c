@@ -1,23 +1,21 @@
 #include "server/audit.h"
 #include "core/memory.h"
 #include "core/result.h"
+#include "server/line_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 enum { OBJECT_MOST = 4096 };
 
 struct vvi_audit {
-    int fd;
+    vvi_line_file file;
     char *path;
-    bool torn;     /* part of a line is the last that was written */
     uint64_t lost; /* lines, since one was written */
-    int error;     /* why */
 };
 
 /* Of our own output, whatever that is: /dev/stderr is a link, and where it is a socket it cannot be opened. Of what is
@@ -47,8 +45,8 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
         free(audit);
         return vv_fail_memory(strlen(path));
     }
-    audit->fd = open_lines(path);
-    if (audit->fd >= 0) {
+    audit->file.fd = open_lines(path);
+    if (audit->file.fd >= 0) {
         *out = audit;
         return VV_OK;
     }
@@ -62,7 +60,7 @@ void vvi_audit_close(vvi_audit *audit)
 {
     if (!audit)
         return;
-    close(audit->fd);
+    close(audit->file.fd);
     free(audit->path);
     free(audit);
 }
@@ -77,43 +75,6 @@ static void tell_time(vvi_result *line)
     vvi_result_string(line, "time", text);
 }
 
-/* A file ends again where its last n bytes began, if they are its last. False: it is no file, or others wrote to it. */
-static bool cut_off(const vvi_audit *audit, size_t n)
-{
-    struct stat info;
-    const off_t end = lseek(audit->fd, 0, SEEK_CUR), start = end - (off_t)n;
-    return fstat(audit->fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size == end && start >= 0 &&
-           ftruncate(audit->fd, start) == 0 && lseek(audit->fd, start, SEEK_SET) == start;
-}
-
-static bool write_all(vvi_audit *audit, const char *text, size_t n)
-{
-    for (size_t at = 0; at < n;) {
-        const ssize_t done = write(audit->fd, text + at, n - at);
-        if (done < 0 && errno != EINTR) {
-            audit->error = errno;
-            audit->torn = audit->torn && !(at > 0 && cut_off(audit, at));
-            return false;
-        }
-        at += done > 0 ? (size_t)done : 0;
-        audit->torn = at > 0 && at < n;
-    }
-    return true;
-}
-
-/* A line is written by one call: it is there whole whenever the program ends. */
-static bool put_text(vvi_audit *audit, char *text)
-{
-    const size_t n = text ? strlen(text) : 0;
-    if (n)
-        text[n - 1] = '\n'; /* the blank after the object */
-    const bool fine = n && (!audit->torn || write_all(audit, "\n", 1)) && write_all(audit, text, n);
-    if (!n)
-        audit->error = ENOMEM;
-    free(text);
-    return fine;
-}
-
 static void begin_line(vvi_result *line)
 {
     *line = (vvi_result){.compact = true};
@@ -124,7 +85,6 @@ static void begin_line(vvi_result *line)
 static char *end_line(vvi_result *line)
 {
     vvi_result_close(line, '}');
-    vvi_text_add(&line->text, " ");
     return vvi_text_take(&line->text);
 }
 
@@ -137,10 +97,10 @@ static void put_line(vvi_audit *audit, char *text)
         begin_line(&line);
         vvi_result_string(&line, "what", "lost");
         vvi_result_unsigned(&line, "lines", audit->lost);
-        fine = put_text(audit, end_line(&line));
+        fine = vvi_line_file_put(&audit->file, end_line(&line));
     }
     if (fine)
-        fine = put_text(audit, text);
+        fine = vvi_line_file_put(&audit->file, text);
     else
         free(text);
     audit->lost = fine ? 0 : audit->lost + 1;
@@ -148,9 +108,9 @@ static void put_line(vvi_audit *audit, char *text)
 
 char *vvi_audit_problem(const vvi_audit *audit)
 {
-    return audit && audit->lost
-               ? vvi_asprintf("what people do cannot be written down to %s: %s", audit->path, strerror(audit->error))
-               : NULL;
+    return audit && audit->lost ? vvi_asprintf("what people do cannot be written down to %s: %s", audit->path,
+                                               strerror(audit->file.error))
+                                : NULL;
 }
 
 void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const char *object, bool refused)

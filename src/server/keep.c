@@ -104,4 +104,8 @@ void vvi_session_keep_sync(vvi_session *session)
     char *problem = vvi_audit_problem(session->audit);
     tell_change(session, &session->unaudited, problem, "what people do is written down again");
     free(problem);
+    problem = vvi_recording_problem(session->recording);
+    tell_change(session, &session->unrecorded, problem,
+                "the session is recorded again, but for what was done meanwhile");
+    free(problem);
 }

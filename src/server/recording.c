@@ -1,6 +1,7 @@
 #include "server/recording.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "server/line_file.h"
 #include "server/session_impl.h"
 
 #include <errno.h>
@@ -20,8 +21,9 @@
 enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000, RESULTS_MOST = 1000000 };
 
 struct vvi_recording {
-    FILE *file;
+    vvi_line_file file;
     char *path;
+    uint64_t lost, all_lost; /* lines, since one was written; and of all */
 };
 
 /* Writing --------------------------------------------------------------------------------------------------------- */
@@ -34,9 +36,8 @@ vv_status vvi_recording_open(vvi_recording **out, const char *path)
         free(r);
         return vv_fail_memory(strlen(path));
     }
-    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600); /* all that is said is in it */
-    r->file = fd >= 0 ? fdopen(fd, "w") : NULL;
-    if (r->file) {
+    r->file.fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600); /* all that is said is in it */
+    if (r->file.fd >= 0) {
         *out = r;
         return VV_OK;
     }
@@ -53,22 +54,39 @@ vv_status vvi_recording_close(vvi_recording *r)
     vv_status st = VV_OK;
     if (!r)
         return VV_OK;
-    const bool bad = ferror(r->file);
-    if (fclose(r->file) != 0 || bad)
-        st = vv_fail_at(VV_E_WRITE, r->path, NULL, "the recording is incomplete: %s", strerror(errno));
+    if (close(r->file.fd) != 0 && !r->all_lost++)
+        r->file.error = errno;
+    if (r->all_lost)
+        st = vv_fail_at(VV_E_WRITE, r->path, NULL,
+                        "the recording is incomplete: %" PRIu64 " lines could not be written: %s", r->all_lost,
+                        strerror(r->file.error));
     free(r->path);
     free(r);
     return st;
 }
 
-static void put(vvi_recording *r, json_t *line)
+char *vvi_recording_problem(const vvi_recording *r)
+{
+    return r && r->lost ? vvi_asprintf("the recording %s lacks what is done now: %s", r->path, strerror(r->file.error))
+                        : NULL;
+}
+
+static bool put_now(vvi_recording *r, json_t *line)
 {
     char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    if (text)
-        fprintf(r->file, "%s\n", text);
-    fflush(r->file);
-    free(text);
     json_decref(line);
+    return vvi_line_file_put(&r->file, text);
+}
+
+/* Lines that are missing are told by the first that can be written again. */
+static void put(vvi_recording *r, json_t *line)
+{
+    const bool fine = (!r->lost || put_now(r, json_pack("{s:I, s:i, s:I}", "t", (json_int_t)vvi_now(), "page", 0,
+                                                        "lost", (json_int_t)r->lost))) &&
+                      put_now(r, json_incref(line));
+    json_decref(line);
+    r->lost = fine ? 0 : r->lost + 1;
+    r->all_lost += !fine;
 }
 
 void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings, const char *files,
@@ -261,6 +279,19 @@ static vv_status stand(const player *p, vvi_client *client, const json_t *where)
     return VV_OK;
 }
 
+/* What follows may stand on them: it would be another World. */
+static vv_status fail_lost(const player *p, json_int_t n)
+{
+    char where[32], to_line[64];
+    snprintf(where, sizeof where, "line %zu", p->line);
+    snprintf(to_line, sizeof to_line, "head -n %zu", p->line - 1);
+    return vv_fail_at(VV_E_FORMAT, p->path, where,
+                      "%" JSON_INTEGER_FORMAT
+                      " lines are missing here, which could not be written when the session was "
+                      "recorded; the lines before it (%s) can be played",
+                      n, to_line);
+}
+
 static vv_status play_line(player *p, json_t *line)
 {
     const json_int_t page = json_integer_value(json_object_get(line, "page"));
@@ -271,6 +302,8 @@ static vv_status play_line(player *p, json_t *line)
     vvi_client **client = &p->pages[page];
     if (!json_is_integer(t) || json_integer_value(t) < 0 || json_integer_value(t) > TIME_MOST)
         return fail_line(p, "'t' is a whole number of nanoseconds from 0 to 10^18");
+    if (json_is_integer(json_object_get(line, "lost")))
+        return fail_lost(p, json_integer_value(json_object_get(line, "lost")));
     p->t = json_integer_value(t);
     vvi_session_tick(p->session, p->t);
     if (json_object_get(line, "joins"))

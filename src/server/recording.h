@@ -10,6 +10,8 @@
  *     {"t": 9500, "ends": true, "job": 1}                       the first job that changes the World was done; false:
  * failed
  *     {"t": 9900, "page": 1, "leaves": true}
+ *     {"t": 9950, "page": 0, "lost": 3}                          so many lines could not be written (a full disk): it
+ * is played up to here
  */
 #ifndef VVI_SERVER_RECORDING_H
 #define VVI_SERVER_RECORDING_H
@@ -24,6 +26,9 @@ typedef struct vvi_recording vvi_recording;
 vv_status vvi_recording_open(vvi_recording **out, const char *path);
 /** What could not be written is an error here. NULL is fine. */
 vv_status vvi_recording_close(vvi_recording *recording);
+/** A sentence why the last lines are not there, yours to free(); NULL: all are. The file tells how many are missing as
+ * soon as it can be written again. */
+char *vvi_recording_problem(const vvi_recording *recording);
 /** bindings: JSON of input/bindings.h; files: the folder of results (NULL: none), of which there are so many. */
 void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files,
                          int64_t results);

@@ -335,10 +335,10 @@ vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
     return st;
 }
 
-void vvi_server_free(vvi_server *server, bool keep)
+vv_status vvi_server_free(vvi_server *server, bool keep)
 {
     if (!server)
-        return;
+        return VV_OK;
     pthread_mutex_lock(&server->waking);
     server->gone = true;
     pthread_mutex_unlock(&server->waking);
@@ -348,9 +348,10 @@ void vvi_server_free(vvi_server *server, bool keep)
         unlink(server->options.socket);
     vvi_server_forget_launch(server);
     vvi_rations_clear(&server->rations);
-    vvi_session_free(server->session, keep);
+    const vv_status st = vvi_session_free(server->session, keep);
     pthread_mutex_destroy(&server->waking);
     free(server);
+    return st;
 }
 
 const char *vvi_server_link(const vvi_server *server)

@@ -37,7 +37,8 @@ extern const vvi_asset vvi_assets[];
 vv_status vvi_server_options_check(const vvi_server_options *options);
 /** Listens; VV_E_UNSUPPORTED where VolVis was built without libwebsockets. */
 vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options);
-void vvi_server_free(vvi_server *server, bool keep); /* NULL is fine; keep: of vvi_session_free() */
+/** keep, and what fails: of vvi_session_free(). NULL is fine. */
+vv_status vvi_server_free(vvi_server *server, bool keep);
 /** "http://localhost:PORT/#TOKEN"; the server's. */
 const char *vvi_server_link(const vvi_server *server);
 vvi_session *vvi_server_session(vvi_server *server);

@@ -15,10 +15,11 @@ vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
                                      "libwebsockets-dev and build it again");
 }
 
-void vvi_server_free(vvi_server *server, bool keep)
+vv_status vvi_server_free(vvi_server *server, bool keep)
 {
     (void)server;
     (void)keep;
+    return VV_OK;
 }
 
 const char *vvi_server_link(const vvi_server *server)

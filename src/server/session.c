@@ -190,10 +190,10 @@ static void free_files(vvi_made_file *file)
     }
 }
 
-void vvi_session_free(vvi_session *s, bool keep)
+vv_status vvi_session_free(vvi_session *s, bool keep)
 {
     if (!s)
-        return;
+        return VV_OK;
     while (s->clients)
         vvi_client_leave(s->clients);
     vvi_tasks_free(s->slow);
@@ -203,7 +203,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     if (!keep && s->journal)
         vvi_files_clear(s);
     vvi_journal_close(s->journal, keep);
-    vvi_recording_close(s->recording);
+    const vv_status st = vvi_recording_close(s->recording);
     vvi_audit_close(s->audit);
     free_files(s->files);
     free(s->who);
@@ -222,6 +222,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     pthread_mutex_destroy(&s->room_lock);
     vv_runtime_release(s->options.runtime);
     free(s);
+    return st;
 }
 
 vv_status vvi_session_begin(vvi_session *s, vv_world *world)

@@ -30,8 +30,8 @@ typedef struct vvi_session_options {
 /** Everything is copied. A journal of a session that broke off in `state` is played again. */
 vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options);
 /** Ends all threads. keep: the journal, results and uploads stay, as if the program had broken off; else those results
- * and uploads alone that a saved scene names. */
-void vvi_session_free(vvi_session *session, bool keep); /* NULL is fine */
+ * and uploads alone that a saved scene names. VV_E_WRITE: its recording is not whole. */
+vv_status vvi_session_free(vvi_session *session, bool keep); /* NULL is fine */
 /** What the World is at first. Nothing of it is checked against `root`. */
 vv_status vvi_session_begin(vvi_session *session, vv_world *world);
 /** What is shown was read from or written to `path` (NULL: from no file): if it is a scene, saving there again needs no

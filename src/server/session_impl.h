@@ -140,17 +140,18 @@ struct vvi_session {
     char *paths[VVI_CHANGES_KEPT]; /* of the last commits, the newest at n_changes - 1: JSON without brackets */
     uint64_t n_changes;
     vvi_journal *journal;
-    vvi_audit *audit;         /* NULL: none */
-    vvi_recording *recording; /* NULL: none */
-    bool is_played;           /* by a recording, which says where pages stand */
-    uint64_t n_asked;         /* jobs that change the World; their numbers, which do not count other jobs */
-    uint64_t n_ended;         /* of them, done or failed */
-    uint64_t awaited;         /* of a recording: the one that ended next then; 0: any */
-    vv_status last_ended;     /* how the last of them did */
-    uint64_t restored, lost;  /* commits of a session that broke off */
-    bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
-    bool mended;              /* all were told that the journal is written anew, which has not been done yet */
-    bool told_forgotten;      /* that the oldest changes can be undone no more */
+    vvi_audit *audit;                   /* NULL: none */
+    vvi_recording *recording;           /* NULL: none */
+    bool is_played;                     /* by a recording, which says where pages stand */
+    uint64_t n_asked;                   /* jobs that change the World; their numbers, which do not count other jobs */
+    uint64_t n_ended;                   /* of them, done or failed */
+    uint64_t awaited;                   /* of a recording: the one that ended next then; 0: any */
+    vv_status last_ended;               /* how the last of them did */
+    uint64_t restored, lost;            /* commits of a session that broke off */
+    bool unkept, unaudited, unrecorded; /* the last change, or what was done last, could not be written down; all were
+                                           told */
+    bool mended;         /* all were told that the journal is written anew, which has not been done yet */
+    bool told_forgotten; /* that the oldest changes can be undone no more */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */

@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 
-from harness import VOLVIS, environment, main, write_ball, write_large
+from harness import VOLVIS, environment, fails, main, ok, write_ball, write_large
 from page import Page, Server, run
 from wire import wait_for
 
@@ -270,6 +270,39 @@ def test_a_line_of_the_audit_that_does_not_fit_whole_leaves_no_part_of_it():
         lines = [json.loads(line) for line in file]
     lost = [line["what"] for line in lines].index("lost")
     assert lines[lost + 1]["object"] == "/another", lines
+
+
+def test_a_recording_on_a_full_disk_has_whole_lines_and_all_are_told():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            await page.resting()
+            await page.edit(("set", "title", "before"))
+            server.disk(os.path.getsize("session.jsonl") + 30)
+            await page.edit(("set", "title", "lost"))
+            await page.until(lambda: told(page, "the recording session.jsonl lacks", "error"))
+            with open("session.jsonl", "rb") as file:
+                assert file.read().endswith(b"}\n"), "part of a line is left"
+            server.disk(None)
+            await page.edit(("set", "title", "after"))
+            await page.until(lambda: told(page, "recorded again", "info"))
+    server = Limited("head.nrrd", "--record", "session.jsonl")
+    run(work(server))
+    server.process.send_signal(signal.SIGINT)
+    _, said = server.process.communicate(timeout=60)
+    assert server.process.returncode != 0 and b"recording is incomplete" in said, (server.process.returncode, said)
+    with open("session.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    [at] = [i for i, line in enumerate(lines) if "lost" in line]
+    assert "after" in json.dumps(lines[at + 1:]), lines
+    said = fails(3, "replay", "session.jsonl", "-o", "again.vv.json")
+    assert f"line {at + 1}: {lines[at]['lost']} lines are missing" in said, said
+    with open("whole.jsonl", "w", encoding="utf-8") as file:
+        file.writelines(json.dumps(line) + "\n" for line in lines[:at])
+    ok("replay", "whole.jsonl", "-o", "again.vv.json")
+    with open("again.vv.json", encoding="utf-8") as file:
+        assert json.load(file)["title"] == "before"
 
 
 # Folders that go -----------------------------------------------------------------------------------------------------
