@@ -449,7 +449,7 @@ static void every_instruction_set_gives_the_same(void **state)
                     COMPARE(int64_t);
                 }
             }
-        int16_t odd[5] = {-7, 5, 12, INT16_MIN, 100};
+        int16_t odd[5 + VVI_DILATE_GUARD / sizeof(int16_t)] = {-7, 5, 12, INT16_MIN, 100};
         assert_true(kernels->prepare[1](odd, 5, -1, -10, 50));
         const int16_t want[5] = {6, -6, -13, INT16_MIN, INT16_MIN};
         assert_memory_equal(odd, want, sizeof want);
