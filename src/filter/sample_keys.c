@@ -15,9 +15,9 @@ static uint64_t turn(uint64_t bits, vv_type type)
     case VV_TYPE_U64:
         return bits ^ 0x8000000000000000;
     case VV_TYPE_F32: /* negative numbers grow the other way */
-        return bits >> 31 & 1 ? bits ^ 0x7fffffff : bits;
+        return (uint32_t)bits ^ ((uint32_t)((int32_t)(uint32_t)bits >> 31) & 0x7fffffff);
     case VV_TYPE_F64:
-        return bits >> 63 ? bits ^ 0x7fffffffffffffff : bits;
+        return bits ^ ((uint64_t)((int64_t)bits >> 63) & 0x7fffffffffffffff);
     default:
         return bits;
     }
