@@ -57,6 +57,7 @@ bench: build
 	@tools/setup bench
 	@bench/run --program $(PROGRAM) --out out/bench --cases $(BENCH)
 	@bench/surfaces --program $(PROGRAM) --out out/bench
+	@bench/filters --program $(PROGRAM) --out out/bench --sizes $(if $(filter full,$(BENCH)),256,128)
 
 format:
 	@tools/setup base tools

@@ -28,8 +28,9 @@ double cli_now_s(void)
 const void *cli_command_options(const cli_command *command, const vv_class *cls)
 {
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
-        if (command->options[i] && command->options[i]->cls == cls)
-            return command->options[i];
+        const vv_object *options = command->options[i];
+        if (options && (options->cls == cls || (cls == &cli_reading_class && cli_is_reading(options->cls))))
+            return options;
     }
     vvi_check(!"a verb asks for options that are not its own");
     return NULL;

@@ -15,8 +15,9 @@ typedef enum content {
     CONTENT_WINDOW = 4,        /* slices show values over one */
     CONTENT_RANGE = 8,         /* another range gives other colours or opacities */
     CONTENT_LABELS = 16,
-    CONTENT_COLORS = 32,  /* samples are colours */
-    CONTENT_TRANSFER = 64 /* samples that a transfer function colours */
+    CONTENT_COLORS = 32,   /* samples are colours */
+    CONTENT_TRANSFER = 64, /* samples that a transfer function colours */
+    CONTENT_AMOUNTS = 128  /* samples that are neither labels nor colours */
 } content;
 
 static const struct {
@@ -33,10 +34,15 @@ static const struct {
     {"window", CONTENT_WINDOW, NULL}, /* see why_none() */
     {"range", CONTENT_RANGE | CONTENT_VERTEX_VALUES, NULL},
     {"percentile", CONTENT_RANGE, NULL},
+    {"missing", CONTENT_AMOUNTS, NULL},
 };
 
 static const char *why_none(unsigned contents, const char *option)
 {
+    if (strcmp(option, "missing") == 0)
+        return contents & CONTENT_LABELS   ? "labels are names, and none of them stands for no value"
+               : contents & CONTENT_COLORS ? "the samples are colours, and none of them stands for no value"
+                                           : "it is about samples of volumes, and a mesh has none";
     if (contents & CONTENT_LABELS)
         return "labels have colours by their numbers; --tf shows them as values";
     if (contents & CONTENT_COLORS)
@@ -49,6 +55,15 @@ static const char *why_none(unsigned contents, const char *option)
     if (contents & CONTENT_SAMPLES)
         return "the opacities and colours of this transfer function are given by value";
     return "the mesh has no values at its vertices that could have colours; --color gives it one";
+}
+
+static bool is_given(const cli_edits *edits, const char *option)
+{
+    if (strcmp(option, "missing") == 0)
+        return ((const cli_reading *)cli_command_options(edits->command, &cli_reading_class))->missing != NULL;
+    const vv_property *row = vv_class_find(&cli_look_class, option);
+    const char *text = *(const char *const *)(const void *)((const char *)edits->look + row->offset);
+    return text && (strcmp(option, "method") != 0 || strcmp(text, "slice") == 0);
 }
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */
@@ -124,7 +139,7 @@ static vv_status look_at_samples(unsigned *contents, cli_edits *edits, const vv_
     bool follows = false;
     const bool transfer = cli_edit_heeds(edits, world, VV_ASPECT_TRANSFER);
     *contents |= CONTENT_SAMPLES | (transfer ? CONTENT_TRANSFER : 0);
-    if (!o->window && !o->range && !o->percentile)
+    if (!o->window && !o->range && !o->percentile && !is_given(edits, "missing"))
         return VV_OK;
     vv_status st = resolve(&actor, edits, world, id);
     const bool labels = actor.classes.kind == VV_SEGMENT_LABELS;
@@ -137,7 +152,8 @@ static vv_status look_at_samples(unsigned *contents, cli_edits *edits, const vv_
     if (st == VV_OK && classes && vv_object_is_set(segmentation->transfer, "range_lo")) /* else it is for another */
         st = follows_range(&follows, edits, world, id, &actor);
     *contents |= (window ? CONTENT_WINDOW : 0) | (window || follows ? CONTENT_RANGE : 0) |
-                 (labels ? CONTENT_LABELS : 0) | (actor.colors ? CONTENT_COLORS : 0);
+                 (labels ? CONTENT_LABELS : 0) | (!labels && !actor.colors ? CONTENT_AMOUNTS : 0) |
+                 (actor.colors ? CONTENT_COLORS : 0);
     vvi_actor_finish(&actor);
     return st;
 }
@@ -173,13 +189,6 @@ static vv_status look_at(unsigned *contents, bool *any_out, cli_edits *edits, co
 }
 
 /* Options --------------------------------------------------------------------------------------------------------- */
-
-static bool is_given(const cli_edits *edits, const char *option)
-{
-    const vv_property *row = vv_class_find(&cli_look_class, option);
-    const char *text = *(const char *const *)(const void *)((const char *)edits->look + row->offset);
-    return text && (strcmp(option, "method") != 0 || strcmp(text, "slice") == 0);
-}
 
 static bool any_is_given(const cli_edits *edits)
 {

@@ -287,20 +287,17 @@ static vv_status open_window(double range[2], const vv_field *field, int compone
 /* What pictures leave out is none of the samples. */
 static vv_status leave_missing_out(vv_field **field, int *component, const vv_volume *volume, vv_job *job)
 {
-    vvi_fill_value fill = {0};
-    vv_status st = VV_OK;
-    const bool said = vv_object_is_set(&volume->base, "missing");
-    vv_statistics *statistics = malloc(sizeof *statistics);
-    if (!statistics)
-        return vv_fail_memory(sizeof *statistics);
-    if (!said && vv_field_get_info(*field)->meaning == VV_MEANING_SCALAR &&
-        (st = vv_field_statistics(statistics, *field, *component, job)) == VV_OK)
-        st = vvi_fill_value_find(&fill, *field, *component, statistics, job);
-    free(statistics);
-    const double *values = said && volume->missing ? volume->missing->v : &fill.value;
-    const size_t n = said ? (volume->missing ? volume->missing->n : 0) : fill.found;
+    const vv_numbers *named = vv_object_is_set(&volume->base, "missing") ? volume->missing : NULL;
+    vvi_fills fills = {0};
     vv_field *rest = NULL;
-    if (st != VV_OK || n == 0 || (st = vvi_field_without(&rest, *field, *component, values, n, job)) != VV_OK)
+    vv_status st = VV_OK;
+    if (!vv_object_is_set(&volume->base, "missing") && vv_field_get_info(*field)->meaning == VV_MEANING_SCALAR)
+        st = vvi_fills_of(&fills, *field, *component, job);
+    if (st != VV_OK || (fills.n == 0 && (!named || named->n == 0)))
+        return st;
+    st = named ? vvi_field_without(&rest, *field, *component, named->v, named->n, job)
+               : vvi_field_without_fills(&rest, *field, *component, &fills, job);
+    if (st != VV_OK)
         return st;
     vv_field_release(*field);
     *field = rest;

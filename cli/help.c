@@ -64,11 +64,7 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
         if (cls && cls->properties->name)
-            add_class(out,
-                      cls == &cli_reading_class   ? "Reading"
-                      : cls == &cli_writing_class ? "Writing"
-                                                  : "Options",
-                      cls);
+            add_class(out, cli_is_reading(cls) ? "Reading" : cls == &cli_writing_class ? "Writing" : "Options", cls);
     }
     add_class(out, "Options of every verb", verb->world ? &cli_common_class : &cli_common_plain_class);
     if (verb->world)

@@ -1,6 +1,7 @@
 /* Opening inputs: data files, and the data of scenes and pictures. */
 #include "input.h"
 #include "mesh.h"
+#include "missing.h"
 #include "model/context.h"
 #include "model/merge.h"
 #include "output.h"
@@ -144,7 +145,8 @@ vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *c
     if ((st = split(&name, command, word)) != VV_OK)
         return st;
     st = read_world(out, recipe_out, command, &name);
-    if (st == VV_OK && (st = set_frame(out, chosen_frame(command, name.frame))) != VV_OK) {
+    if (st == VV_OK && ((st = set_frame(out, chosen_frame(command, name.frame))) != VV_OK ||
+                        (st = cli_missing_set(out, command)) != VV_OK)) {
         vv_object_release(&(*out)->base);
         *out = NULL;
     }
@@ -161,8 +163,10 @@ const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volu
     return (const vv_dataset *)(const void *)found;
 }
 
-/* The data that a World shows first: its path, layout and time step take the place of the World's own file. */
-static vv_status take_data(cli_input *out, vv_read_options *options, const vv_world *world)
+/* The data that a World shows first, as volume_out: its path, layout and time step take the place of the World's own
+ * file. */
+static vv_status take_data(cli_input *out, const vv_volume **volume_out, vv_read_options *options,
+                           const vv_world *world)
 {
     const vv_volume *volume = NULL;
     for (size_t i = 0; i < world->volumes->n && !volume; i++) {
@@ -181,10 +185,13 @@ static vv_status take_data(cli_input *out, vv_read_options *options, const vv_wo
     options->format = dataset->format;
     options->part = options->part ? options->part : dataset->part;
     options->raw = dataset->raw;
+    *volume_out = volume;
     return VV_OK;
 }
 
-static vv_status open_data(cli_input *out, cli_command *command, const vv_read_options *options)
+/* volume: of a World, which may say what is missing; NULL: there is none. */
+static vv_status open_data(cli_input *out, cli_command *command, const vv_read_options *options,
+                           const vv_volume *volume)
 {
     vv_status st;
     if ((st = check_stopped(command)) != VV_OK)
@@ -193,7 +200,9 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
         return st;
     if (options->part && !(out->part = strdup(options->part)))
         return vv_fail_memory(strlen(options->part));
-    return check_frame(out);
+    if ((st = check_frame(out)) != VV_OK)
+        return st;
+    return cli_missing_take(out, command, volume);
 }
 
 /* `convert picture.png`: the data that the picture shows. */
@@ -201,12 +210,13 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
                                     const vv_world *world)
 {
     vv_read_options options;
+    const vv_volume *volume = NULL;
     vv_status st;
     vv_read_options_init(&options, sizeof options);
     options.part = name->part;
-    if ((st = take_data(out, &options, world)) == VV_OK &&
+    if ((st = take_data(out, &volume, &options, world)) == VV_OK &&
         (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK &&
-        (st = open_data(out, command, &options)) != VV_OK)
+        (st = open_data(out, command, &options, volume)) != VV_OK)
         st = cli_fail_data(command, world, name->path, st);
     return st;
 }
@@ -249,7 +259,7 @@ static vv_status open_input(cli_input *out, cli_command *command, const vv_world
     read_options(&options, command, name.part);
     options.finest = true; /* what is done to data does not depend on the memory of a machine; pictures may */
     st = world                                                      ? open_data_of_world(out, command, &name, world)
-         : cli_input_contents(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
+         : cli_input_contents(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options, NULL)
                                                                     : open_data_of_scene(out, command, &name);
     cli_input_name_free(&name);
     if (st != VV_OK)

@@ -67,7 +67,7 @@ static void add_exit_codes(vvi_text *out)
 static const char *title_of(const vv_class *cls)
 {
     return cls == &cli_common_class || cls == &cli_common_plain_class ? "OPTIONS OF EVERY VERB"
-           : cls == &cli_reading_class                                ? "OPTIONS OF READING"
+           : cli_is_reading(cls)                                      ? "OPTIONS OF READING"
            : cls == &cli_writing_class                                ? "OPTIONS OF WRITING"
                                                                       : "OPTIONS";
 }

@@ -53,9 +53,7 @@ static void add_verb(vvi_text *out, const cli_verb *verb)
         vvi_text_printf(out, "\n%s\n", verb->about);
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
-        const char *title = cls == &cli_reading_class   ? "Reading:"
-                            : cls == &cli_writing_class ? "Writing:"
-                                                        : "Options:";
+        const char *title = cli_is_reading(cls) ? "Reading:" : cls == &cli_writing_class ? "Writing:" : "Options:";
         if (cls && cls->properties->name)
             add_class(out, title, cls);
     }

@@ -233,17 +233,15 @@ static vv_status choose_values(cli_measuring *m, const vv_statistics *s)
 {
     vv_job *job = m->command->job;
     vvi_value_fit fit;
-    vvi_fill_value fill;
-    vv_status st = vvi_fit_without_fill(&fit, &fill, m->field, m->choice.component, s, "measure", job);
-    if (st == VV_OK && !fill.found)
+    vvi_fills fills;
+    vv_status st = vvi_fit_without_fill(&fit, &fills, m->field, m->choice.component, s, "measure", job);
+    if (st == VV_OK && fills.n == 0)
         st = vvi_fit_field(&fit, m->field, m->choice.component, s, job);
     if (st != VV_OK)
         return st;
     m->automatic = true;
     m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.falls ? -INFINITY : fit.split;
-    m->choice.hi = fit.falls && !fit.empty && !fit.constant ? fit.split
-                   : fill.found && fill.value > fill.hi     ? fill.hi
-                                                            : INFINITY;
+    m->choice.hi = fit.falls && !fit.empty && !fit.constant ? fit.split : vvi_fills_above(&fills) ? fills.hi : INFINITY;
     name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"
                   : fit.constant ? " (all samples are equal: nothing is separated; --iso sets another)"
                   : fit.falls ? " (chosen: it best splits the histogram in two, and larger values surround the object; "
@@ -265,7 +263,7 @@ void cli_measuring_take_surface(cli_measuring *m)
 static vv_status take_missing(cli_measuring *m)
 {
     const double asked[2] = {m->choice.lo, m->choice.hi};
-    const vvi_missing missing = {.asked = asked, .n_asked = m->chosen ? 2 : 0};
+    const vvi_missing missing = {.asked = asked, .n_asked = m->chosen ? 2 : 0, .keep = "; --missing none keeps them"};
     if (m->took_missing || m->choice.object != VV_OBJECT_RANGE)
         return VV_OK;
     m->took_missing = true;

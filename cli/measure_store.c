@@ -169,7 +169,8 @@ static vv_status put(vv_world **world, const char *name, const char *json, cli_c
 static vv_status check_reading(const cli_command *command, const char *input)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
-    if (!reading->raw && !reading->part && !reading->input_format && !vv_object_is_set(&reading->base, "frame"))
+    if (!reading->raw && !reading->part && !reading->input_format && !reading->missing &&
+        !vv_object_is_set(&reading->base, "frame"))
         return VV_OK;
     return vv_fail(VV_E_ARGUMENT,
                    "--store: how %s is read is not kept in a scene of other data: store it in a new scene of its own",

@@ -120,6 +120,16 @@ vv_status cli_mesh_check_frame(const cli_command *command, const cli_input_name 
                                   reading->frame));
 }
 
+static vv_status check_missing(const cli_command *command, const char *path)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    if (!reading->missing)
+        return VV_OK;
+    return cli_refused(
+        command, "missing",
+        vv_fail_at(VV_E_ARGUMENT, path, NULL, "is a mesh, and --missing is about samples of volumes: leave it out"));
+}
+
 static vv_status read_named(mesh_input *out, cli_command *command, const cli_input_name *name, const char *input_unit)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
@@ -127,7 +137,7 @@ static vv_status read_named(mesh_input *out, cli_command *command, const cli_inp
     const char *text;
     double factor;
     vv_status st = cli_mesh_check_frame(command, name);
-    if (st != VV_OK)
+    if (st != VV_OK || (st = check_missing(command, name->path)) != VV_OK)
         return st;
     vv_mesh_read_options_init(&options, sizeof options);
     options.format = reading->input_format;

@@ -77,7 +77,12 @@ const vv_class cli_common_plain_class = {
     .properties = common_rows + 1,
 };
 
+/* The first of them is not of operations that have one of that name: cli_reading_rest_class. */
 static const vv_property reading_rows[] = {
+    {VV_PROP(cli_reading, missing), .kind = VV_KIND_STRING, .unit = "VALUE,...|none",
+     .automatic = "what the file says, else one value far from all others that many samples have, such as -9999",
+     .doc = "values that stand for none: no picture, figure or result has anything of them; what is written has NaN "
+            "there; none: every value is one"},
     {VV_PROP(cli_reading, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e15,
      .doc = "time step to read, from 0; the same as FILE@N"},
     {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "chosen by the reader",
@@ -98,6 +103,18 @@ const vv_class cli_reading_class = {
     .size = sizeof(cli_reading),
     .properties = reading_rows,
 };
+
+const vv_class cli_reading_rest_class = {
+    .name = "reading",
+    .doc = "options of verbs that read data",
+    .size = sizeof(cli_reading),
+    .properties = reading_rows + 1,
+};
+
+bool cli_is_reading(const vv_class *cls)
+{
+    return cls == &cli_reading_class || cls == &cli_reading_rest_class;
+}
 
 static const vv_property writing_rows[] = {
     {VV_PROP(cli_writing, output_format), .kind = VV_KIND_STRING, .unit = "NAME", .table = "formats",

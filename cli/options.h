@@ -40,12 +40,16 @@ extern const vv_class cli_common_plain_class;
 /** Verbs that read data. */
 typedef struct cli_reading {
     vv_object base;
+    char *missing; /**< cli_missing_read() tells what it says */
     int64_t frame;
     char *part;
     char *raw;
     char *input_format;
 } cli_reading;
 extern const vv_class cli_reading_class;
+/** The same without --missing: of operations that have their own. cli_command_options() gives it as the other. */
+extern const vv_class cli_reading_rest_class;
+bool cli_is_reading(const vv_class *cls);
 
 /** Verbs that write data. */
 typedef struct cli_writing {

@@ -27,6 +27,7 @@ void cli_output_options(vv_write_options *out, const cli_command *command)
     out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
     out->big_endian = writing->big_endian;
     out->stored = writing->stored;
+    out->keep_order = cli_option_is_typed(command, "order");
     out->spare_inputs = !command->common->overwrite;
 }
 

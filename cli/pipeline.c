@@ -1,5 +1,6 @@
 #include "pipeline.h"
 #include "core/units.h"
+#include "findings.h"
 #include "grid/true_values.h"
 #include "output.h"
 #include <inttypes.h>
@@ -48,11 +49,13 @@ static void report(cli_command *command, const char *output, const vv_run_about 
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_text_add_clean(&command->text, output);
+    vvi_text_printf(&command->text, ": %s%s;", about, scaled);
+    cli_findings_report(command);
     if (run->streamed)
-        vvi_text_printf(&command->text, ": %s%s; streamed in %.2f s\n", about, scaled, run->run_s + run->write_s);
+        vvi_text_printf(&command->text, " streamed in %.2f s\n", run->run_s + run->write_s);
     else
-        vvi_text_printf(&command->text, ": %s%s; read %.2f s, %s %.2f s, written %.2f s\n", about, scaled, run->load_s,
-                        command->verb.name, run->run_s, run->write_s);
+        vvi_text_printf(&command->text, " read %.2f s, %s %.2f s, written %.2f s\n", run->load_s, command->verb.name,
+                        run->run_s, run->write_s);
 }
 
 static void report_plan(cli_command *command, const char *output, const cli_input *inputs, size_t n_inputs,

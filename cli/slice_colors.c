@@ -1,8 +1,10 @@
 #include "slice_colors.h"
 #include "grid/field.h"
+#include "grid/fill_value.h"
 #include "grid/label_id.h"
 #include "grid/percentile.h"
 #include "io/channel_colors.h"
+#include "io/file_stream.h"
 #include "render/common/colors.h"
 #include "render/common/transfer.h"
 #include "render/common/two_sided.h"
@@ -21,6 +23,7 @@ typedef struct window {
     double lo, hi;
     double rgb[3];   /* encoded */
     bool about_zero; /* seen in a map whose middle is zero */
+    vvi_fills fills; /* values that stand for none */
     float *seen;
     size_t n_seen;
 } window;
@@ -31,6 +34,8 @@ struct cli_slice_colors {
     vv_type type;
     int components; /* that are shown */
     double scale, offset, full;
+    bool padded; /* values from padding[0] to padding[1] are padding, as the file says */
+    double padding[2];
     window windows[VVI_CHANNELS_SHOWN];
     vv_label *labels; /* by value */
     size_t n_labels;
@@ -102,6 +107,9 @@ vv_status cli_slice_colors_new(cli_slice_colors **out, const cli_input *input)
               : info->meaning == VV_MEANING_VECTOR && info->components <= VVI_CHANNELS_SHOWN ? MODE_LENGTH
                                                                                              : MODE_CHANNELS;
     c->components = c->mode == MODE_CHANNELS && !vvi_has_channels(info) ? 1 : info->components;
+    c->padded = vvi_file_padding(c->padding, input->file);
+    for (int i = 0; i < 2; i++)
+        c->padding[i] = c->padding[i] * c->scale + c->offset;
     if (c->mode == MODE_LABELS)
         return take_labels(c, input->file);
     return c->mode == MODE_COLORS ? VV_OK : take_channels(c, info, input->file);
@@ -162,6 +170,36 @@ static double percentile_of(const window *w, double percent)
     return vvi_quantile_between(&q, w->seen[q.low], w->seen[q.high]);
 }
 
+/* The samples that were seen, as a field. */
+static vv_status field_of(vv_field **out, const window *w, vv_job *job)
+{
+    vv_field_info seen = vv_field_info_default();
+    seen.type = VV_TYPE_F32;
+    seen.grid.dims[0] = (int64_t)w->n_seen;
+    seen.grid.dims[1] = seen.grid.dims[2] = 1;
+    return vv_field_new(out, &seen, w->seen, 0, NULL, NULL, job);
+}
+
+/* By the rule for whole fields; they are seen no more. */
+static vv_status leave_fills_out(window *w, const cli_slice_colors *c, vv_job *job)
+{
+    vv_field *field = NULL;
+    size_t n = 0;
+    if (vv_type_bytes(c->type) < 2 && !c->padded)
+        return VV_OK;
+    vv_status st = field_of(&field, w, job);
+    if (st == VV_OK && c->padded)
+        vvi_field_set_padding(field, c->padding[0], c->padding[1]);
+    if (st == VV_OK)
+        st = vvi_fills_of(&w->fills, field, 0, job);
+    vv_field_release(field);
+    for (size_t i = 0; i < w->n_seen && w->fills.n; i++)
+        if (!vvi_fills_have(&w->fills, w->seen[i]))
+            w->seen[n++] = w->seen[i];
+    w->n_seen = w->fills.n ? n : w->n_seen;
+    return st;
+}
+
 static void settle_window(window *w)
 {
     const size_t last = w->n_seen - 1;
@@ -175,18 +213,14 @@ static void settle_window(window *w)
 }
 
 /* As pictures show them: by the rule for whole fields, of the samples that were seen. */
-static vv_status settle_about_zero(window *w, const vv_field_info *info)
+static vv_status settle_about_zero(window *w, const vv_field_info *info, vv_job *job)
 {
-    vv_field_info seen = vv_field_info_default();
     vv_field *field = NULL;
     vvi_value_fit fit;
-    seen.type = VV_TYPE_F32;
-    seen.grid.dims[0] = (int64_t)w->n_seen;
-    seen.grid.dims[1] = seen.grid.dims[2] = 1;
     vv_statistics *s = malloc(sizeof *s);
-    vv_status st = s ? vv_field_new(&field, &seen, w->seen, 0, NULL, NULL, NULL) : vv_fail_memory(sizeof *s);
+    vv_status st = s ? field_of(&field, w, job) : vv_fail_memory(sizeof *s);
     if (st == VV_OK)
-        st = vv_field_statistics(s, field, 0, NULL);
+        st = vv_field_statistics(s, field, 0, job);
     if (st == VV_OK && vvi_two_sided(&fit, info, s)) {
         w->about_zero = true;
         w->hi = vvi_two_sided_end(&fit, s);
@@ -197,16 +231,16 @@ static vv_status settle_about_zero(window *w, const vv_field_info *info)
     return st;
 }
 
-vv_status cli_slice_colors_settle(cli_slice_colors *c)
+vv_status cli_slice_colors_settle(cli_slice_colors *c, vv_job *job)
 {
     vv_status st = VV_OK;
-    for (int i = 0; i < VVI_CHANNELS_SHOWN; i++)
-        if (c->windows[i].n_seen > 0)
+    for (int i = 0; i < VVI_CHANNELS_SHOWN && st == VV_OK; i++)
+        if (c->windows[i].n_seen > 0 && (st = leave_fills_out(&c->windows[i], c, job)) == VV_OK)
             settle_window(&c->windows[i]);
     window *w = &c->windows[0];
     const bool grey = w->rgb[0] == w->rgb[1] && w->rgb[1] == w->rgb[2];
-    if (c->mode == MODE_CHANNELS && c->components == 1 && grey && w->n_seen > 0)
-        st = settle_about_zero(w, &c->info);
+    if (st == VV_OK && c->mode == MODE_CHANNELS && c->components == 1 && grey && w->n_seen > 0)
+        st = settle_about_zero(w, &c->info, job);
     return st;
 }
 
@@ -245,6 +279,8 @@ void cli_slice_color(float rgb[3], const cli_slice_colors *c, const char *sample
     const int n = values_of(v, c, sample);
     for (int i = 0; i < n; i++) {
         const window *w = &c->windows[i];
+        if (vvi_fills_have(&w->fills, (double)(float)v[i]))
+            v[i] = NAN;
         const double t = clamp((v[i] - w->lo) / (w->hi - w->lo));
         double seen[3] = {t * w->rgb[0], t * w->rgb[1], t * w->rgb[2]};
         vv_color mapped;

@@ -182,7 +182,7 @@ vv_status cli_slices_read(cli_slice out[CLI_SLICES], int *n_out, const cli_input
         st = cli_slice_colors_new(&colors, input);
     if (st == VV_OK) {
         look(colors, out, planes, *n_out);
-        st = cli_slice_colors_settle(colors);
+        st = cli_slice_colors_settle(colors, job);
     }
     for (int i = 0; i < *n_out && st == VV_OK; i++)
         st = paint(&out[i], &planes[i], colors);

@@ -25,9 +25,31 @@ static const vv_mesh_format *const mesh_formats[] = {
 };
 
 static const vv_operation *const operations[] = {
-    &vvi_operation_channel,    &vvi_operation_crop,     &vvi_operation_flip,     &vvi_operation_reorient,
-    &vvi_operation_resample,   &vvi_operation_rescale,  &vvi_operation_gaussian, &vvi_operation_median,
-    &vvi_operation_isosurface, &vvi_operation_simplify, &vvi_operation_smooth,   NULL,
+    &vvi_operation_channel,
+    &vvi_operation_crop,
+    &vvi_operation_flip,
+    &vvi_operation_reorient,
+    &vvi_operation_resample,
+    &vvi_operation_rescale,
+    &vvi_operation_gaussian,
+    &vvi_operation_median,
+    &vvi_operation_mean,
+    &vvi_operation_dilate,
+    &vvi_operation_erode,
+    &vvi_operation_open,
+    &vvi_operation_close,
+    &vvi_operation_top_hat,
+    &vvi_operation_threshold,
+    &vvi_operation_components,
+    &vvi_operation_fill_holes,
+    &vvi_operation_calc,
+    &vvi_operation_bilateral,
+    &vvi_operation_diffuse,
+    &vvi_operation_denoise,
+    &vvi_operation_isosurface,
+    &vvi_operation_simplify,
+    &vvi_operation_smooth,
+    NULL,
 };
 
 static const vv_renderer *const renderers[] = {

@@ -19,10 +19,30 @@ extern const vv_image_format vvi_image_format_png, vvi_image_format_jpeg, vvi_im
 extern const vv_image_format vvi_image_format_tiff, vvi_image_format_webp, vvi_image_format_pdf;
 extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_format_off, vvi_mesh_format_obj;
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
-extern const vv_operation vvi_operation_channel, vvi_operation_crop, vvi_operation_flip, vvi_operation_gaussian,
-    vvi_operation_median;
-extern const vv_operation vvi_operation_reorient, vvi_operation_resample, vvi_operation_rescale;
-extern const vv_operation vvi_operation_isosurface, vvi_operation_simplify, vvi_operation_smooth;
+extern const vv_operation vvi_operation_channel;
+extern const vv_operation vvi_operation_crop;
+extern const vv_operation vvi_operation_flip;
+extern const vv_operation vvi_operation_reorient;
+extern const vv_operation vvi_operation_resample;
+extern const vv_operation vvi_operation_rescale;
+extern const vv_operation vvi_operation_gaussian;
+extern const vv_operation vvi_operation_median;
+extern const vv_operation vvi_operation_mean;
+extern const vv_operation vvi_operation_dilate;
+extern const vv_operation vvi_operation_erode;
+extern const vv_operation vvi_operation_open;
+extern const vv_operation vvi_operation_close;
+extern const vv_operation vvi_operation_top_hat;
+extern const vv_operation vvi_operation_threshold;
+extern const vv_operation vvi_operation_components;
+extern const vv_operation vvi_operation_fill_holes;
+extern const vv_operation vvi_operation_calc;
+extern const vv_operation vvi_operation_bilateral;
+extern const vv_operation vvi_operation_diffuse;
+extern const vv_operation vvi_operation_denoise;
+extern const vv_operation vvi_operation_isosurface;
+extern const vv_operation vvi_operation_simplify;
+extern const vv_operation vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,
     vvi_renderer_slice;
 extern const vv_data_kind vvi_data_kind_regular, vvi_data_kind_mesh;

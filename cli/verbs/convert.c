@@ -3,6 +3,7 @@
 #include "core/names.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "grid/rounding.h"
 #include "io/file_stream.h"
 #include "mesh.h"
 #include "output.h"
@@ -107,14 +108,6 @@ typedef struct extent {
     int n_apart;   /* at least so many different values in one component */
 } extent;
 
-static int bins_used(const vv_statistics *s)
-{
-    int n = 0;
-    for (int i = 0; i < s->n_bins; i++)
-        n += s->histogram[i] > 0;
-    return n;
-}
-
 static vv_status add_frame(extent *e, cli_command *command, const cli_input *input, int64_t frame)
 {
     vv_statistics *s = malloc(sizeof *s);
@@ -130,7 +123,7 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
         if (s->count) {
             e->lo = s->min < e->lo ? s->min : e->lo;
             e->hi = s->max > e->hi ? s->max : e->hi;
-            const int n = bins_used(s);
+            const int n = vvi_values_apart(s);
             e->n_apart = n > e->n_apart ? n : e->n_apart;
         }
     }
@@ -138,18 +131,6 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
     vvi_stream_free(&stream);
     free(s);
     return st;
-}
-
-/* Whole numbers between the ends, where there are fewer than a tenth of the values that there were. */
-static void note_rounding(cli_command *command, const cli_input *input, const extent *e, vv_type type)
-{
-    const double left = e->lo > e->hi ? 0 : nearbyint(e->hi) - nearbyint(e->lo) + 1;
-    if (left > 0 && e->n_apart > 10 * left)
-        cli_command_note(command,
-                         "warning: %s: values from %g to %g are rounded to %g of the numbers of %s, where %d or more "
-                         "were different; --range %g..%g spreads them over all of %s",
-                         input->path, e->lo, e->hi, left, vv_type_name(type), e->n_apart, e->lo, e->hi,
-                         vv_type_name(type));
 }
 
 /* Fractions that are packed in integers fit, and are lost all the same. */
@@ -180,7 +161,8 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
                          "warning: %s: %" PRIu64 " samples are NaN or infinite; in %s NaN becomes 0 and infinite ones "
                          "the end of the type",
                          input->path, e.odd, vv_type_name(type));
-    note_rounding(command, input, &e, type);
+    vvi_tell_rounding(command->job, e.lo, e.hi, e.n_apart, e.lo > e.hi ? 0 : nearbyint(e.hi) - nearbyint(e.lo) + 1,
+                      type);
     return VV_OK;
 }
 

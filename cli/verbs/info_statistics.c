@@ -62,17 +62,26 @@ static void put_text(cli_command *command, const vv_statistics *s, const char *u
 /* A value that pictures leave out. */
 static vv_status put_fill(cli_command *command, const vv_field *field, int component, const vv_statistics *s)
 {
-    vvi_fill_value fill;
+    vvi_fills fills;
+    char text[VVI_FILL_TEXT];
     if (vv_field_get_info(field)->meaning != VV_MEANING_SCALAR)
         return VV_OK;
-    const vv_status st = vvi_fill_value_find(&fill, field, component, s, command->job);
-    if (st != VV_OK || !fill.found)
+    const vv_status st = vvi_fills_find(&fills, field, component, s, command->job);
+    if (st != VV_OK || fills.n == 0)
         return st;
-    vvi_result_number(&command->json, "fill", fill.value);
-    vvi_result_number(&command->json, "fill_share", fill.share);
-    cli_command_line(command, "fill",
-                     "%.9g (%.2g %% of the samples), far from all others (%.6g to %.6g): pictures leave it out",
-                     fill.value, 100 * fill.share, fill.lo, fill.hi);
+    vvi_result_number(&command->json, "fill", fills.fill[0].value);
+    vvi_result_number(&command->json, "fill_share", fills.fill[0].share);
+    vvi_result_open(&command->json, "fills", '[');
+    for (int i = 0; i < fills.n; i++) {
+        vvi_result_open(&command->json, NULL, '{');
+        vvi_result_number(&command->json, "value", fills.fill[i].value);
+        vvi_result_number(&command->json, "share", fills.fill[i].share);
+        vvi_result_bool(&command->json, "declared", fills.fill[i].declared);
+        vvi_result_close(&command->json, '}');
+    }
+    vvi_result_close(&command->json, ']');
+    vvi_fills_print(text, &fills);
+    cli_command_line(command, "fill", "%s: pictures leave %s out", text, fills.n > 1 ? "them" : "it");
     return VV_OK;
 }
 
@@ -113,7 +122,7 @@ static const char *find_metadata(const cli_input *input, const char *name)
     return NULL;
 }
 
-/* Padding of images is kept as it is stored, and explains a strange range. */
+/* Padding of images is kept as it is stored, and explains a strange range; see put_fill(). */
 static void text_padding(cli_command *command, const cli_input *input, const char *padding)
 {
     const vv_field_info *info = vv_file_info(input->file);
@@ -123,8 +132,8 @@ static void text_padding(cli_command *command, const cli_input *input, const cha
     if (!limit && vvi_parse_number(&v, padding) && (info->value_scale != 1 || info->value_offset != 0))
         snprintf(value, sizeof value, " (%g%s%s)", v * info->value_scale + info->value_offset,
                  info->value_unit[0] ? " " : "", info->value_unit);
-    cli_command_line(command, "padding", "%s%s%s as stored%s: no measurement, and part of the range", padding,
-                     limit ? " to " : "", limit ? limit : "", value);
+    cli_command_line(command, "padding", "%s%s%s as stored%s: no measurement; left out of pictures where it lies apart",
+                     padding, limit ? " to " : "", limit ? limit : "", value);
 }
 
 void cli_info_missing(cli_command *command, const cli_input *input)

@@ -118,6 +118,8 @@ typedef struct vv_write_options {
     bool new_values;   /**< samples no longer have the values of `origin`: what it says of those is left out */
     bool layers;       /**< the frames are no time steps but the layers of one segmentation, which may overlap:
                           vv_label.layer is a frame's number. Only where vv_format.labels_only is set */
+    bool keep_order;   /**< anatomical slices of PNG are along the world's axes, as those of TIFF; else upright, as
+                          radiologists see them: the patient's front at the top, right on the left */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

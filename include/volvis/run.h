@@ -60,7 +60,6 @@ typedef struct vv_run_input {
     const vv_field *field; /**< its samples, where they are in memory already and are of one time step; else NULL */
     const vv_mesh *mesh;   /**< in the place of the two above */
     const char *name;      /**< for errors */
-    const char *as;        /**< what parameters call it (vv_operand.named); NULL: nothing */
     const char *path;      /**< that `file` was opened by: where the output holds all layers of a segmentation
                               (vv_format.labels_only), the others are opened by it; NULL: what is open is all */
     const char *part;      /**< of the file, as it was asked for; a layer that was is taken alone. NULL: none was */

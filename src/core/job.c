@@ -141,6 +141,17 @@ void vvi_job_set_urgent(vv_job *job)
         job->urgent = true;
 }
 
+void vvi_job_keep_fills(vv_job *job)
+{
+    if (job)
+        job->keeps_fills = true;
+}
+
+bool vvi_job_keeps_fills(const vv_job *job)
+{
+    return job && job->keeps_fills;
+}
+
 int vvi_job_threads(const vv_job *job)
 {
     const vv_runtime *runtime = vv_job_runtime(job);

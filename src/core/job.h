@@ -55,6 +55,10 @@ typedef void vvi_read_listener(void *user, const char *path);
 void vvi_job_listen_reads(vv_job *job, vvi_read_listener *fn, void *user);
 void vvi_job_tell_read(vv_job *job, const char *path);
 
+/** Which values stand for none has been said, or that none does: no fill is looked for (grid/fill_value.h). */
+void vvi_job_keep_fills(vv_job *job);
+bool vvi_job_keeps_fills(const vv_job *job);
+
 /** The registry of the job's runtime; the built-in one for NULL. */
 const struct vv_registry *vvi_job_registry(const vv_job *job);
 bool vvi_job_allow_outside(const vv_job *job);

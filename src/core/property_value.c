@@ -229,9 +229,14 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
 
 static vv_status read_enum(int *out, const vv_property *p, const json_t *json, const vvi_place *place)
 {
-    char found[64];
-    const char *text = json_string_value(json), *name = text ? alias_of(p, text) : NULL;
+    char found[64], number[32];
+    const char *text = json_string_value(json);
     size_t n = 0;
+    if (json_is_integer(json) && strtod(p->names[0], NULL) != 0) { /* names that are numbers are typed as numbers */
+        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(json));
+        text = number;
+    }
+    const char *name = text ? alias_of(p, text) : NULL;
     for (; p->names[n]; n++) {
         if (name && !strcmp(p->names[n], name)) {
             *out = (int)n;
@@ -302,9 +307,10 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     char found[64];
     const size_t columns = columns_of(p);
     const bool labels = p->quantity == VV_Q_LABEL;
+    const bool none = p->lone && !labels && json_is_string(json) && strcmp(json_string_value(json), "none") == 0;
     const bool lone = p->lone && (json_is_number(json) || (labels && json_is_string(json)));
     const size_t n = lone ? 1 : json_array_size(json);
-    if (!json_is_array(json) && !lone)
+    if (!json_is_array(json) && !lone && !none)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
                               columns > 1 ? "an array of rows of numbers"
                               : p->lone   ? "a number, or several as in 1,2,3"

@@ -5,6 +5,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/gaussian_lines.h"
+#include "filter/sigma.h"
 #include "registry.h"
 
 #include <math.h>
@@ -14,71 +15,21 @@
 #define CUT 4.0           /* sigmas that the kernel reaches: 6e-5 of its weight lies beyond */
 #define SIGMA_MOST 1024.0 /* voxels: beyond, the work of one row is no longer done within the time to cancel */
 
-typedef struct gaussian_params {
-    vv_object object;
-    double sigma;
-    vv_vec3 sigma_voxels;
-} gaussian_params;
-
-enum { ROW_SIGMA, ROW_SIGMA_VOXELS };
-
-static const vv_property properties[] = {
-    [ROW_SIGMA] = {VV_PROP(gaussian_params, sigma), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true,
-                   .min = 0, .max = 1e12, .automatic = "one voxel along each axis",
-                   .doc = "standard deviation, a length: 1.5mm, 2vox; 0 changes nothing"},
-    [ROW_SIGMA_VOXELS] = {VV_PROP(gaussian_params, sigma_voxels), .kind = VV_KIND_VEC3, .automatic = "from sigma",
-                          .doc = "instead of sigma: standard deviations along x, y, z in voxels of each axis"},
-    {0},
-};
-
-static bool is_set(const vv_object *object, int row)
-{
-    return object->set >> row & 1;
-}
-
-static vv_status check(const vv_object *object, const char *path)
-{
-    const gaussian_params *p = (const gaussian_params *)object;
-    const vv_vec3 v = p->sigma_voxels;
-    if (is_set(object, ROW_SIGMA) && is_set(object, ROW_SIGMA_VOXELS))
-        return vv_fail(VV_E_ARGUMENT, "gaussian: `sigma` and `sigma_voxels` set the same thing; give one of them");
-    if (is_set(object, ROW_SIGMA_VOXELS) &&
-        !(v.x >= 0 && v.y >= 0 && v.z >= 0 && isfinite(v.x) && isfinite(v.y) && isfinite(v.z)))
-        return vv_fail_at(VV_E_ARGUMENT, NULL, path,
-                          "sigma_voxels is [%g, %g, %g]; three numbers of at least 0 are "
-                          "needed",
-                          v.x, v.y, v.z);
-    return VV_OK;
-}
+static const vv_property properties[] = {VVI_SIGMA_PROPERTIES, {0}};
 
 static const vv_class gaussian_class = {
     .name = "gaussian",
     .doc = "parameters of gaussian",
-    .size = sizeof(gaussian_params),
+    .size = sizeof(vvi_sigma_params),
     .properties = properties,
-    .check = check,
+    .check = vvi_sigma_check,
 };
 
 static vv_status sigmas_of(double sigma[3], const vv_field_info *info, const vv_object *params)
 {
-    const gaussian_params *p = (const gaussian_params *)params;
-    const double voxels[3] = {p->sigma_voxels.x, p->sigma_voxels.y, p->sigma_voxels.z};
-    const vv_status st = check(params, NULL);
-    if (st != VV_OK)
-        return st;
     if (info->meaning == VV_MEANING_LABEL)
         return vv_fail(VV_E_UNSUPPORTED, "gaussian: labels are names, not amounts, and have no mean");
-    for (int a = 0; a < 3; a++) {
-        sigma[a] = is_set(params, ROW_SIGMA_VOXELS) ? voxels[a]
-                   : is_set(params, ROW_SIGMA)      ? p->sigma / vv_grid_spacing(&info->grid, a)
-                                                    : 1;
-        if (!(sigma[a] >= 0) || (sigma[a] > SIGMA_MOST && info->grid.dims[a] > 1))
-            return vv_fail(VV_E_ARGUMENT, "gaussian: sigma is %g voxels along %c; it must be between 0 and %g",
-                           sigma[a], "xyz"[a], SIGMA_MOST);
-        if (info->grid.dims[a] == 1)
-            sigma[a] = 0;
-    }
-    return VV_OK;
+    return vvi_sigma_voxels(sigma, info, params, "gaussian", SIGMA_MOST);
 }
 
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)

@@ -2,11 +2,14 @@
 #include "core/memory.h"
 #include "grid/fill_value.h"
 #include "grid/percentile.h"
+#include "grid/rounding.h"
 #include "grid/sample_map.h"
 #include "registry.h"
 
 #include <math.h>
 #include <string.h>
+
+enum { FEW = 128 }; /* numbers: more than a tenth of the bins of a histogram */
 
 typedef struct rescale_params {
     vv_object object;
@@ -15,7 +18,7 @@ typedef struct rescale_params {
     bool clamp, keep_values;
     bool settled; /* no properties: see settle() */
     double window[2];
-    vvi_fill_value fill;
+    vvi_fills fills;
 } rescale_params;
 
 static const char *const type_names[] = {"same", "u8",  "i8",  "u16", "i16", "u32",
@@ -85,7 +88,7 @@ static const vv_class rescale_class = {
 
 typedef struct map {
     double from[2], to[2]; /* values, and stored numbers of the result */
-    vvi_fill_value fill;   /* that the window leaves out */
+    vvi_fills fills;       /* that the window leaves out */
     vvi_sample_map samples;
 } map;
 
@@ -134,38 +137,37 @@ static void open_window(double window[2], const double whole[2], const rescale_p
 }
 
 /* A window that nobody gives is that of values: a fill is none, unless memory is too short to tell the others. */
-static vv_status find_fill(vvi_fill_value *out, const vv_field *field, vv_job *job)
+static vv_status find_fill(vvi_fills *out, const vv_field *field, vv_job *job)
 {
     vv_field *rest = NULL;
-    *out = (vvi_fill_value){0};
-    vv_status st = vv_field_get_info(field)->components == 1 ? vvi_fill_value_of(out, field, 0, job) : VV_OK;
-    if (st != VV_OK || !out->found)
+    char text[VVI_FILL_TEXT];
+    *out = (vvi_fills){0};
+    vv_status st = vv_field_get_info(field)->components == 1 ? vvi_fills_of(out, field, 0, job) : VV_OK;
+    if (st != VV_OK || out->n == 0)
         return st;
-    st = vvi_field_without(&rest, field, 0, &out->value, 1, job);
+    st = vvi_field_without_fills(&rest, field, 0, out, job);
     vv_field_release(rest);
     if (st != VV_E_MEMORY && st != VV_E_LIMIT)
         return st;
-    vvi_log(job, VV_LOG_WARNING, "rescale",
-            "no memory to leave %.9g out of the window, which %.2g %% of the samples are", out->value,
-            100 * out->share);
-    out->found = false;
+    vvi_fills_print(text, out);
+    vvi_log(job, VV_LOG_WARNING, "rescale", "%s: no memory to leave them out of the window", text);
+    out->n = 0;
     return VV_OK;
 }
 
-static void tell_fill(const vvi_fill_value *fill, vv_job *job)
+static void tell_fill(const vvi_fills *fills, vv_job *job)
 {
-    if (fill->found)
-        vvi_log(job, VV_LOG_WARNING, "rescale",
-                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): left out of the window, and "
-                "missing in the result",
-                100 * fill->share, fill->value, fill->lo, fill->hi);
+    char text[VVI_FILL_TEXT];
+    vvi_fills_print(text, fills);
+    if (fills->n)
+        vvi_log(job, VV_LOG_WARNING, "rescale", "%s: left out of the window, and missing in the result", text);
 }
 
 /* Puts the field without a fill in the place of one of yours. */
-static vv_status leave_out(vv_field **field, const vvi_fill_value *fill, vv_job *job)
+static vv_status leave_out(vv_field **field, const vvi_fills *fills, vv_job *job)
 {
     vv_field *rest = NULL;
-    const vv_status st = fill->found ? vvi_field_without(&rest, *field, 0, &fill->value, 1, job) : VV_OK;
+    const vv_status st = fills->n ? vvi_field_without_fills(&rest, *field, 0, fills, job) : VV_OK;
     if (rest) {
         vv_field_release(*field);
         *field = rest;
@@ -175,14 +177,14 @@ static vv_status leave_out(vv_field **field, const vvi_fill_value *fill, vv_job 
 
 typedef struct others {
     const vv_field_series *all;
-    const vvi_fill_value *fill;
+    const vvi_fills *fills;
 } others;
 
 static vv_status open_others(vv_field **out, void *user, size_t index, vv_job *job)
 {
     const others *o = user;
     vv_status st = o->all->open(out, o->all->user, index, job);
-    if (st != VV_OK || (st = leave_out(out, o->fill, job)) == VV_OK)
+    if (st != VV_OK || (st = leave_out(out, o->fills, job)) == VV_OK)
         return st;
     vv_field_release(*out);
     *out = NULL;
@@ -214,15 +216,15 @@ static vv_status source_range(map *m, const rescale_params *p, const vv_field *f
     m->from[0] = m->from[1] = 0;
     if (given(p->from) || p->settled) {
         memcpy(m->from, p->settled ? p->window : p->from->v, sizeof m->from);
-        m->fill = p->fill;
+        m->fills = p->fills;
         return VV_OK;
     }
-    vv_status st = find_fill(&m->fill, field, job);
+    vv_status st = find_fill(&m->fills, field, job);
     if (st != VV_OK)
         return st;
-    tell_fill(&m->fill, job);
+    tell_fill(&m->fills, job);
     vv_field *rest = vv_field_retain((vv_field *)(uintptr_t)field);
-    if ((st = leave_out(&rest, &m->fill, job)) == VV_OK)
+    if ((st = leave_out(&rest, &m->fills, job)) == VV_OK)
         st = own_range(m->from, p, rest, job);
     vv_field_release(rest);
     return st;
@@ -283,11 +285,11 @@ static vv_status settle_percentiles(rescale_params *p, const vv_field_series *fi
 }
 
 /* The first that has one says it for all. */
-static vv_status settle_fill(vvi_fill_value *out, const vv_field_series *fields, vv_job *job)
+static vv_status settle_fill(vvi_fills *out, const vv_field_series *fields, vv_job *job)
 {
     vv_status st = VV_OK;
-    *out = (vvi_fill_value){0};
-    for (size_t f = 0; f < fields->n && st == VV_OK && !out->found; f++) {
+    *out = (vvi_fills){0};
+    for (size_t f = 0; f < fields->n && st == VV_OK && out->n == 0; f++) {
         vv_field *field = NULL;
         if ((st = fields->open(&field, fields->user, f, job)) == VV_OK)
             st = find_fill(out, field, job);
@@ -305,8 +307,8 @@ static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job
     vv_status st = check(params, "");
     p->window[0] = p->window[1] = 0;
     if (st == VV_OK)
-        st = settle_fill(&p->fill, fields, job);
-    others rest = {fields, &p->fill};
+        st = settle_fill(&p->fills, fields, job);
+    others rest = {fields, &p->fills};
     const vv_field_series values = {open_others, &rest, fields->n};
     if (st == VV_OK)
         st = given(p->percentile) ? settle_percentiles(p, &values, job) : settle_range(p->window, &values, job);
@@ -324,8 +326,7 @@ static void complete(map *m, const rescale_params *p, const vv_field_info *info,
                                   .shift = m->to[0] + (info->value_offset - m->from[0]) * slope,
                                   .lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY,
                                   .hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY,
-                                  .skips = m->fill.found,
-                                  .skipped = m->fill.stored,
+                                  .skipped = m->fills.n ? &m->fills : NULL,
                                   .holds = !p->clamp};
 }
 
@@ -392,6 +393,42 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return VV_OK;
 }
 
+/* Of the values of a component that the window has: as what they are stored. */
+static double numbers_left(const vv_statistics *s, const map *m)
+{
+    const vvi_sample_map *f = &m->samples;
+    const double slope = m->from[1] != m->from[0] ? (m->to[1] - m->to[0]) / (m->from[1] - m->from[0]) : 0;
+    const double a = fmin(fmax(m->to[0] + (s->min - m->from[0]) * slope, f->lo), f->hi);
+    const double b = fmin(fmax(m->to[0] + (s->max - m->from[0]) * slope, f->lo), f->hi);
+    return fabs(nearbyint(b) - nearbyint(a)) + 1;
+}
+
+/* The result is looked at, which is small; all samples only where it has few numbers. */
+static vv_status tell_rounding(const vv_field *out, const vv_field *in, const map *m, vv_job *job)
+{
+    const vv_type type = vv_field_get_info(out)->type;
+    vv_status st = VV_OK;
+    vv_statistics *s;
+    if (vv_type_is_float(type) || vv_type_bytes(type) > 2)
+        return VV_OK;
+    if (!(s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(sizeof *s);
+    for (int c = 0; c < vv_field_get_info(in)->components && st == VV_OK; c++) {
+        if ((st = vv_field_statistics(s, out, c, job)) != VV_OK || vvi_values_apart(s) > FEW ||
+            (st = vv_field_statistics(s, in, c, job)) != VV_OK || s->count == 0)
+            continue;
+        vvi_tell_rounding(job, s->min, s->max, vvi_values_apart(s), numbers_left(s, m), type);
+    }
+    vvi_free(s);
+    return st;
+}
+
+static bool is_whole(const vv_box *box, const vv_field *field)
+{
+    const vv_box all = vv_field_box(field);
+    return memcmp(box->n, all.n, sizeof all.n) == 0;
+}
+
 /* The range is that of all samples, whatever the box: statistics are kept with the field. */
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
@@ -408,7 +445,12 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
         return st;
     complete(&m, p, from, result_type(p, from));
     result_info(&info, p, from, &m);
-    return vvi_sample_map_run(out, inputs[0], &info, box, &m.samples, "rescale", job);
+    st = vvi_sample_map_run(out, inputs[0], &info, box, &m.samples, "rescale", job);
+    if (st != VV_OK || !is_whole(box, inputs[0]) || (st = tell_rounding(*out, inputs[0], &m, job)) == VV_OK)
+        return st;
+    vv_field_release(*out);
+    *out = NULL;
+    return st;
 }
 
 const vv_operation vvi_operation_rescale = {

@@ -23,15 +23,22 @@ static uint64_t turn(uint64_t bits, vv_type type)
     }
 }
 
-/* The type is a constant in each of these loops, so that only its own turn is left in it. */
+#define TURN_EACH(ctype, vtype, to, from)                                                                              \
+    for (int64_t i = 0; i < n; i++) {                                                                                  \
+        ctype bits;                                                                                                    \
+        memcpy(&bits, (const char *)in + i * (from), sizeof bits);                                                     \
+        bits = (ctype)turn(bits, vtype);                                                                               \
+        memcpy((char *)out + i * (to), &bits, sizeof bits);                                                            \
+    }
+
+/* The type is a constant in each of these loops, so that only its own turn is left in it; those of packed samples
+ * become vectors. */
 #define TURN_ALL(ctype, vtype)                                                                                         \
     case vtype:                                                                                                        \
-        for (int64_t i = 0; i < n; i++) {                                                                              \
-            ctype bits;                                                                                                \
-            memcpy(&bits, (const char *)in + i * in_step, sizeof bits);                                                \
-            bits = (ctype)turn(bits, vtype);                                                                           \
-            memcpy((char *)out + i * out_step, &bits, sizeof bits);                                                    \
-        }                                                                                                              \
+        if (in_step == sizeof(ctype) && out_step == sizeof(ctype))                                                     \
+            TURN_EACH(ctype, vtype, (int64_t)sizeof(ctype), (int64_t)sizeof(ctype))                                    \
+        else                                                                                                           \
+            TURN_EACH(ctype, vtype, out_step, in_step)                                                                 \
         break
 
 static inline void turn_all(void *out, int64_t out_step, const void *in, int64_t in_step, vv_type type, int64_t n)
@@ -86,4 +93,14 @@ int64_t vvi_key_at(const void *keys, int64_t index, vv_type type)
     default:
         return ((const int64_t *)keys)[index];
     }
+}
+
+void vvi_sample_of_key(void *sample, int64_t key, vv_type type)
+{
+    const uint8_t byte = (uint8_t)key;
+    const int16_t two = (int16_t)key;
+    const int32_t four = (int32_t)key;
+    const void *const keys[4] = {&byte, &two, &four, &key};
+    const size_t bytes = vv_type_bytes(type);
+    vvi_samples_of_keys(sample, 8, keys[bytes == 8 ? 3 : bytes / 2], type, 1);
 }

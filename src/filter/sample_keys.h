@@ -14,4 +14,6 @@ void vvi_samples_of_keys(void *samples, int64_t step, const void *keys, vv_type 
 bool vvi_keys_bounds(int64_t *lo, int64_t *hi, vv_type type);
 /** The key at an index, whatever its size. */
 int64_t vvi_key_at(const void *keys, int64_t index, vv_type type);
+/** The sample that has a key. */
+void vvi_sample_of_key(void *sample, int64_t key, vv_type type);
 #endif

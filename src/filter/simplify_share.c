@@ -81,7 +81,7 @@ static vv_status try_share(double *n_out, trial *t, double share)
     size_t n_beyond = 0;
     t->options.error = share * t->error;
     vv_status st = vvi_mesh_simplify(&mesh, &result, t->before->mesh, &t->options, t->job);
-    if (st == VV_OK && result.n_triangles > 0 && (st = vv_mesh_tree_new(&after, mesh, NULL, t->job)) == VV_OK &&
+    if (st == VV_OK && result.n_triangles > 0 && (st = vvi_bvh_new(&after, mesh, t->job)) == VV_OK &&
         (st = add_beyond(&n_beyond, t, t->before, after)) == VV_OK &&
         (st = add_beyond(&n_beyond, t, after, t->before)) == VV_OK)
         *n_out = foresee(t, result.n_triangles, n_beyond);
@@ -126,7 +126,7 @@ vv_status vvi_simplify_find_share(double *out, const vv_mesh_tree *mesh, const v
     t.options.still = NULL;
     if (mesh->n > 2 * MANY && (st = vvi_mesh_patches(&patches, mesh, MANY, PATCHES, job)) == VV_OK) {
         vv_mesh_tree_release(t.before);
-        st = vv_mesh_tree_new(&t.before, patches, NULL, job);
+        st = vvi_bvh_new(&t.before, patches, job);
         t.options.fix_border = true;
         t.options.triangles = options->triangles * MANY / mesh->n;
     }

@@ -5,6 +5,8 @@
 
 #define ROW_MOST 128 /* samples of a tile along x: long enough for vectors, short enough for the caches */
 
+#define SIDE 16 /* of a wide tile along y and z, and twice the margin */
+
 enum { ROW_RADIUS, ROW_RADIUS_VOXELS };
 
 static bool is_set(const vv_object *object, int row)
@@ -95,4 +97,10 @@ vvi_slabs vvi_window_tiles(const vv_box *box, const int64_t radius[3], int64_t m
         s.n *= (size_t)s.items[a];
     }
     return s;
+}
+
+vvi_slabs vvi_window_wide_tiles(const vv_box *box, const int64_t radius[3])
+{
+    const int64_t side[2] = {SIDE + 4 * radius[1], SIDE + 4 * radius[2]};
+    return vvi_window_tiles(box, radius, (ROW_MOST + 2 * radius[0]) * side[0] * side[1]);
 }

@@ -40,4 +40,6 @@ vv_status vvi_window_radius(int64_t radius[3], const vv_field_info *info, const 
 vv_box vvi_window_reach(const vv_box *box, const int64_t radius[3], const int64_t dims[3]);
 /** A box cut into tiles, each of which has at most `most` samples with its margin of `radius`, where that can be. */
 vvi_slabs vvi_window_tiles(const vv_box *box, const int64_t radius[3], int64_t most);
+/** Tiles of which most is not margin, however wide that is. */
+vvi_slabs vvi_window_wide_tiles(const vv_box *box, const int64_t radius[3]);
 #endif

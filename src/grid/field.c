@@ -17,6 +17,8 @@ struct vv_field {
     vv_runtime *runtime; /* whose cache holds derived data; NULL: made without a job */
     vvi_sample_store *store;
     vv_field_info info;
+    bool padded;
+    double padding[2]; /* ends of a range */
 };
 
 /* The one counter that all runtimes share: an identity must be no other field's of the process. */
@@ -100,7 +102,23 @@ vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_fiel
         return st;
     if (!same_samples(&field->info, info))
         return vv_fail(VV_E_ARGUMENT, "the same samples cannot have other dims, type or channels");
-    return vvi_field_on_samples(out, info, vvi_sample_store_retain(field->store), field->runtime, NULL);
+    const vv_status made = vvi_field_on_samples(out, info, vvi_sample_store_retain(field->store), field->runtime, NULL);
+    if (made == VV_OK && field->padded)
+        vvi_field_set_padding(*out, field->padding[0], field->padding[1]);
+    return made;
+}
+
+void vvi_field_set_padding(vv_field *field, double lo, double hi)
+{
+    field->padded = true;
+    field->padding[0] = fmin(lo, hi);
+    field->padding[1] = fmax(lo, hi);
+}
+
+bool vvi_field_padding(double out[2], const vv_field *field)
+{
+    memcpy(out, field->padding, sizeof field->padding);
+    return field->padded;
 }
 
 vv_field *vv_field_retain(const vv_field *field)

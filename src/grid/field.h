@@ -14,6 +14,10 @@ vv_status vvi_field_new_watched(vv_field **out, const vv_field_info *info, const
                                 vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job);
 /** The same samples (shared, not copied) under another info of equal dims, type and components. */
 vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_field_info *info);
+/** Stored numbers from lo to hi are padding, as the file says; before others have the field. */
+void vvi_field_set_padding(vv_field *field, double lo, double hi);
+/** False: the file says nothing of it. */
+bool vvi_field_padding(double out[2], const vv_field *field);
 /** Slices [first, first + n) along z as a field of their own: the same samples, not copied. */
 vv_status vvi_field_slices(vv_field **out, const vv_field *field, int64_t first, int64_t n, vv_job *job);
 /** A part of a brick: nothing is read, nothing is to be released. The box lies inside the brick's. */

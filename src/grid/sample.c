@@ -1,6 +1,7 @@
 /* Stored samples to doubles and back, and byte order. */
 #include "grid/field.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -55,13 +56,20 @@ static inline double round_to_even(double v)
     }                                                                                                                  \
     break
 
-static float to_f32(double v)
+/* What is finite stays so. That is rare to fail, and the loop has no branch: the compiler makes vectors of it. */
+static void to_f32(char *out, const double *in, size_t n)
 {
-    if (v > vvi_type_max(VV_TYPE_F32) && v < INFINITY)
-        return (float)vvi_type_max(VV_TYPE_F32);
-    if (v < vvi_type_min(VV_TYPE_F32) && v > -INFINITY)
-        return (float)vvi_type_min(VV_TYPE_F32);
-    return (float)v;
+    int64_t beyond = 0;
+    for (size_t i = 0; i < n; i++) {
+        const float v = (float)in[i];
+        memcpy(out + i * sizeof v, &v, sizeof v);
+        beyond += fabs(in[i]) > FLT_MAX ? 1 : 0;
+    }
+    for (size_t i = 0; i < n && beyond > 0; i++) {
+        const float most = copysignf(FLT_MAX, (float)in[i]);
+        if (fabs(in[i]) > FLT_MAX && isfinite(in[i]))
+            memcpy(out + i * sizeof most, &most, sizeof most);
+    }
 }
 
 void vvi_samples_from_f64(void *out, const double *in, vv_type type, size_t n)
@@ -84,10 +92,7 @@ void vvi_samples_from_f64(void *out, const double *in, vv_type type, size_t n)
     case VV_TYPE_I64:
         FROM_F64(int64_t, INT64_MIN, INT64_MAX);
     case VV_TYPE_F32:
-        for (size_t i = 0; i < n; i++) {
-            const float v = to_f32(in[i]);
-            memcpy((char *)out + i * sizeof v, &v, sizeof v);
-        }
+        to_f32(out, in, n);
         break;
     case VV_TYPE_F64:
         memmove(out, in, n * sizeof *in);

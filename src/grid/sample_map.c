@@ -36,7 +36,7 @@ static void copy_long(char *out, const char *in, size_t n, const shared *s)
 
 static bool keeps_long(const shared *s)
 {
-    return is_long(s->in_type) && is_long(s->out_type) && s->map.gain == 1 && s->map.shift == 0 && !s->map.skips &&
+    return is_long(s->in_type) && is_long(s->out_type) && s->map.gain == 1 && s->map.shift == 0 && !s->map.skipped &&
            s->map.lo == -INFINITY && s->map.hi == INFINITY;
 }
 
@@ -47,7 +47,10 @@ static void map_run(void *out, const void *in, size_t n, const shared *s)
     vvi_samples_to_f64(v, in, s->in_type, n);
     for (size_t i = 0; i < n; i++) {
         const double r = v[i] * m.gain + m.shift;
-        v[i] = m.skips && v[i] == m.skipped ? NAN : r < m.lo ? m.lo : r > m.hi ? m.hi : r; /* NaN stays */
+        v[i] = m.skipped && vvi_fills_have(m.skipped, v[i]) ? NAN
+               : r < m.lo                                   ? m.lo
+               : r > m.hi                                   ? m.hi
+                                                            : r; /* NaN stays */
     }
     vvi_samples_from_f64(out, v, s->out_type, n);
 }

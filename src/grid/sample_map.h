@@ -5,14 +5,14 @@
 #define VVI_GRID_SAMPLE_MAP_H
 #include "core/job.h"
 #include "grid/field.h"
+#include "grid/fill_value.h"
 
 /** Stored of the result = stored of the source * gain + shift, no less than lo, no more than hi; rounded to nearest and
  * clamped to the type where that is one of integers. NaN stays, or becomes 0. In double precision. */
 typedef struct vvi_sample_map {
     double gain, shift, lo, hi; /**< lo -INFINITY, hi INFINITY: no limits */
-    bool skips;                 /**< stored samples of the source that are `skipped` are as NaN */
-    double skipped;
-    bool holds; /**< a finite number that the type cannot hold is VV_E_ARGUMENT, not the type's end */
+    const vvi_fills *skipped;   /**< stored samples of the source that are among these are as NaN; NULL: none */
+    bool holds;                 /**< a finite number that the type cannot hold is VV_E_ARGUMENT, not the type's end */
 } vvi_sample_map;
 
 /** One box of the result, as a field of its own. `info` is that of the whole result: its type is the one mapped to, its

@@ -1,6 +1,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/places.h"
+#include "core/units.h"
+#include "grid/fill_value.h"
 #include "grid/true_values.h"
 #include "io/file_beside.h"
 #include "io/file_stream.h"
@@ -11,6 +13,7 @@
 #include "io/import_process.h"
 #include "io/notes.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +27,9 @@ struct vv_file {
     vvi_lack lack;   /* where the file is only looked at */
     void *plan;
     vv_field_info info;
+    double *left_out; /* values that are read as NaN, n of them: see vvi_file_leave_out() */
+    size_t n_left_out;
+    vv_field_info rest; /* what is read then */
 };
 
 void vv_read_options_init(vv_read_options *options, size_t size)
@@ -324,12 +330,13 @@ void vv_file_close(vv_file *file)
     vvi_notes_free(file->notes);
     vvi_source_close(file->source);
     free(file->name);
+    free(file->left_out);
     vvi_free(file);
 }
 
 const vv_field_info *vv_file_info(const vv_file *file)
 {
-    return &file->info;
+    return file->n_left_out ? &file->rest : &file->info;
 }
 
 const char *vv_file_format(const vv_file *file)
@@ -369,6 +376,8 @@ const vv_notes *vvi_file_notes(const vv_file *file)
 
 bool vv_file_mappable(const vv_file *file)
 {
+    if (file->n_left_out)
+        return false;
     if (file->import)
         return vvi_import_mappable(file->import);
     return file->format->mappable && file->format->mappable(&file->info, file->plan);
@@ -424,6 +433,68 @@ void vvi_file_distrust(vv_file *file)
         vvi_source_distrust(file->source);
 }
 
+/* "-9999, 1e+20" */
+static void print_values(char out[256], const double *values, size_t n)
+{
+    size_t at = 0;
+    out[0] = 0;
+    for (size_t i = 0; i < n && at < 256; i++)
+        at += (size_t)snprintf(out + at, 256 - at, "%s%.9g", i ? ", " : "", values[i]);
+}
+
+vv_status vvi_file_leave_out(vv_file *file, const double *values, size_t n)
+{
+    const vv_meaning meaning = file->info.meaning;
+    const char *what = meaning == VV_MEANING_LABEL ? "labels, each of which is a name" : "colours";
+    char text[256], note[384];
+    if (n == 0)
+        return VV_OK;
+    if (meaning == VV_MEANING_LABEL || meaning == VV_MEANING_RGB || meaning == VV_MEANING_RGBA)
+        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "its samples are %s: none of them stands for no value",
+                          what);
+    if (!(file->left_out = vvi_calloc(n, sizeof *values)))
+        return vv_fail_memory(n * sizeof *values);
+    memcpy(file->left_out, values, n * sizeof *values);
+    file->n_left_out = n;
+    file->rest = file->info;
+    file->rest.type = vvi_type_without(file->info.type);
+    print_values(text, values, n);
+    snprintf(note, sizeof note, "%s, as was said, read as NaN", text);
+    return vvi_notes_add(file->notes, "missing values", note);
+}
+
+static bool find_number(double *out, const vv_file *file, const char *name)
+{
+    const char *key, *value;
+    for (size_t i = 0; vv_file_metadata(file, i, &key, &value); i++)
+        if (strcmp(key, name) == 0)
+            return vvi_parse_number(out, value);
+    return false;
+}
+
+bool vvi_file_padding(double out[2], const vv_file *file)
+{
+    if (vv_type_is_float(file->info.type) || file->n_left_out || !find_number(&out[0], file, "PixelPaddingValue"))
+        return false;
+    if (!find_number(&out[1], file, "PixelPaddingRangeLimit"))
+        out[1] = out[0];
+    return true;
+}
+
+void vvi_file_tell_padding(const vv_file *file, vv_field *field)
+{
+    double padding[2];
+    if (vvi_file_padding(padding, file))
+        vvi_field_set_padding(field, padding[0], padding[1]);
+}
+
+static vv_status read_samples(vv_field **out, vv_file *file, int64_t frame, const vv_box *region, vv_job *job)
+{
+    if (file->import)
+        return vvi_import_read(out, file->import, &file->info, frame, region, job);
+    return file->format->read(out, &file->info, file->plan, file->source, frame, region, job);
+}
+
 vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_box *region, vv_job *job)
 {
     *out = NULL;
@@ -439,7 +510,14 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
         vvi_source_use_job(file->source, job);
         vvi_source_begin_samples(file->source);
     }
-    if (file->import)
-        return vvi_import_read(out, file->import, &file->info, frame, region, job);
-    return file->format->read(out, &file->info, file->plan, file->source, frame, region, job);
+    if (file->n_left_out == 0) {
+        if ((st = read_samples(out, file, frame, region, job)) == VV_OK)
+            vvi_file_tell_padding(file, *out);
+        return st;
+    }
+    vv_field *all = NULL;
+    if ((st = read_samples(&all, file, frame, region, job)) == VV_OK)
+        st = vvi_field_all_without(out, all, file->left_out, file->n_left_out, job);
+    vv_field_release(all);
+    return st;
 }

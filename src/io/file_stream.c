@@ -26,5 +26,8 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
     vvi_file_follow(file, VVI_FOLLOW_SLABS);
     info.frame = frame;
     const vvi_lazy_source source = {make, vvi_free, f};
-    return vvi_field_lazy(out, &info, &source, pool, job);
+    const vv_status st = vvi_field_lazy(out, &info, &source, pool, job);
+    if (st == VV_OK)
+        vvi_file_tell_padding(file, *out);
+    return st;
 }

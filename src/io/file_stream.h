@@ -14,6 +14,13 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
 /** For whoever will read samples of a file more than once: what comes by a pipe is kept in a temporary file. Before the
  * first are read. */
 vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);
+/** From now on samples of these n values are read as NaN, and integers as floats that hold them. VV_E_ARGUMENT of
+ * labels and colours, which are no amounts. */
+vv_status vvi_file_leave_out(vv_file *file, const double *values, size_t n);
+/** The stored numbers that it says are padding; false: it says nothing of it. */
+bool vvi_file_padding(double out[2], const vv_file *file);
+/** The field of its samples knows what the file says of padding: whole numbers, as they are stored. */
+void vvi_file_tell_padding(const vv_file *file, vv_field *field);
 /** What else of it will be read (VVI_FOLLOW_*, source.h): more and more, so that checksums are looked at where the last
  * of it is. */
 void vvi_file_follow(vv_file *file, unsigned follow);

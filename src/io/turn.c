@@ -64,6 +64,16 @@ vvi_turn vvi_turn_pages(const vv_grid *grid, double stray)
     return t;
 }
 
+vvi_turn vvi_turn_upright(const vv_grid *grid, double stray)
+{
+    const vvi_turn t = vvi_turn_pages(grid, stray);
+    const vv_vec3 right = t.grid.index_to_world.axis[0], down = t.grid.index_to_world.axis[1];
+    const bool axial = t.axis[2] == 2 || grid->dims[2] > 1;
+    if (grid->space != VV_SPACE_RAS || !axial || right.x < 0 || down.y < 0)
+        return t;
+    return turned(grid, t.axis, (const bool[3]){!t.back[0], !t.back[1], t.back[2]}, true, stray);
+}
+
 const uint8_t *vvi_turn_brick(int64_t step_out[3], const vvi_turn *turn, const vv_brick *brick)
 {
     const uint8_t *first = brick->data;

@@ -19,6 +19,8 @@ vvi_turn vvi_turn_to_world(const vv_grid *grid, double stray);
 /** The same for formats of pictures: one slice is a picture in whatever plane it lies, and stays one; axial slices
  * whose rows run to the left and columns to the back, as scanners and radiologists have them, stay so as well. */
 vvi_turn vvi_turn_pages(const vv_grid *grid, double stray);
+/** The same, but of anatomical space always as radiologists have them. */
+vvi_turn vvi_turn_upright(const vv_grid *grid, double stray);
 
 /** A brick of the field as the file's axes see it: its first sample, and bytes from one to the next. */
 const uint8_t *vvi_turn_brick(int64_t step_out[3], const vvi_turn *turn, const vv_brick *brick);

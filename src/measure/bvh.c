@@ -209,10 +209,30 @@ static vv_status make_levels(maker *m)
 /* Life --------------------------------------------------------------------------------------------------------------
  */
 
-/* Box, area and whether it is closed; places that need no rounding are kept. */
-static vv_status look_at(vv_mesh_tree *t, const vv_affine *to_world, vv_job *job)
+/* Places that need no rounding are kept. */
+static void settle(vv_mesh_tree *t, vv_affine to_world, vv_bounds b)
 {
     const vv_mesh_info *m = vv_mesh_get_info(t->mesh);
+    const vv_affine placed = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .origin = m->origin};
+    t->map = vv_affine_compose(to_world, placed);
+    t->n = m->n_triangles;
+    t->kept_places = true;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            t->kept_places &= (&t->map.axis[i].x)[j] == (i == j);
+    t->origin = t->kept_places ? t->map.origin : vvi_between(b.lo, b.hi, .5);
+    t->box = (vv_bounds){vvi_sub(b.lo, t->origin), vvi_sub(b.hi, t->origin)};
+    t->radius = fmax(vvi_length(t->box.lo), vvi_length(t->box.hi));
+}
+
+static vv_status fail_empty(void)
+{
+    return vv_fail(VV_E_ARGUMENT, "the mesh has no triangles; there are no distances to it");
+}
+
+/* Box, area and whether it is closed. */
+static vv_status look_at(vv_mesh_tree *t, const vv_affine *to_world, vv_job *job)
+{
     vv_mesh_measures measures;
     vv_mesh_measure_options o;
     vv_mesh_measure_options_init(&o, sizeof o);
@@ -222,22 +242,34 @@ static vv_status look_at(vv_mesh_tree *t, const vv_affine *to_world, vv_job *job
     const vv_status st = vv_mesh_measure(&measures, t->mesh, &o, job);
     if (st != VV_OK)
         return st;
-    if (m->n_triangles == 0)
-        return vv_fail(VV_E_ARGUMENT, "the mesh has no triangles; there are no distances to it");
-    const vv_affine placed = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .origin = m->origin};
-    t->map = vv_affine_compose(o.to_world, placed);
+    if (vv_mesh_get_info(t->mesh)->n_triangles == 0)
+        return fail_empty();
+    settle(t, o.to_world, measures.bounds);
     t->closed = measures.closed;
     t->inside_out = measures.inside_out != (vv_affine_determinant(t->map) < 0);
     t->area = measures.area.value;
-    t->n = m->n_triangles;
-    t->kept_places = true;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            t->kept_places &= (&t->map.axis[i].x)[j] == (i == j);
-    const vv_bounds b = measures.bounds;
-    t->origin = t->kept_places ? t->map.origin : vvi_between(b.lo, b.hi, .5);
-    t->box = (vv_bounds){vvi_sub(b.lo, t->origin), vvi_sub(b.hi, t->origin)};
-    t->radius = fmax(vvi_length(t->box.lo), vvi_length(t->box.hi));
+    return VV_OK;
+}
+
+/* The same where it counts as open. */
+static vv_status glance_at(vv_mesh_tree *t)
+{
+    const vv_affine as_it_is = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const vv_mesh_info *m = vv_mesh_get_info(t->mesh);
+    double known = 0;
+    for (size_t i = 0; i < 3 * m->n_vertices; i++)
+        known += (double)m->positions[i] * 0;
+    if (known != 0) /* infinities and what is no number times 0 */
+        return vv_fail(VV_E_ARGUMENT, "a vertex of the mesh is not finite; it has no distances");
+    if (m->n_triangles == 0)
+        return fail_empty();
+    settle(t, as_it_is, vv_mesh_bounds(t->mesh));
+    for (size_t i = 0; i < 3 * t->n; i += 3) {
+        const vv_vec3 a = vvi_bvh_vertex(t, m->triangles[i]);
+        const vv_vec3 ab = vvi_sub(vvi_bvh_vertex(t, m->triangles[i + 1]), a),
+                      ac = vvi_sub(vvi_bvh_vertex(t, m->triangles[i + 2]), a), n = vvi_cross(ab, ac);
+        t->area += sqrt(vvi_dot(n, n)) / 2;
+    }
     return VV_OK;
 }
 
@@ -262,7 +294,8 @@ static vv_status make(maker *m)
     return make_levels(m);
 }
 
-vv_status vv_mesh_tree_new(vv_mesh_tree **out, const vv_mesh *mesh, const vv_affine *to_world, vv_job *job)
+/* `signs`: it will be asked on which side of it something lies. */
+static vv_status new_tree(vv_mesh_tree **out, const vv_mesh *mesh, const vv_affine *to_world, bool signs, vv_job *job)
 {
     *out = NULL;
     vv_mesh_tree *t = vvi_alloc_zeroed(job, sizeof *t, VVI_MEM_DERIVED);
@@ -271,7 +304,7 @@ vv_status vv_mesh_tree_new(vv_mesh_tree **out, const vv_mesh *mesh, const vv_aff
     maker m = {.tree = t, .mesh = vv_mesh_get_info(mesh), .job = job};
     atomic_init(&t->references, 1);
     t->mesh = vv_mesh_retain(mesh);
-    vv_status st = look_at(t, to_world, job);
+    vv_status st = signs ? look_at(t, to_world, job) : glance_at(t);
     if (st == VV_OK)
         st = make(&m);
     for (int i = 0; i < 2; i++) {
@@ -283,6 +316,16 @@ vv_status vv_mesh_tree_new(vv_mesh_tree **out, const vv_mesh *mesh, const vv_aff
     else
         vv_mesh_tree_release(t);
     return st;
+}
+
+vv_status vv_mesh_tree_new(vv_mesh_tree **out, const vv_mesh *mesh, const vv_affine *to_world, vv_job *job)
+{
+    return new_tree(out, mesh, to_world, true, job);
+}
+
+vv_status vvi_bvh_new(vv_mesh_tree **out, const vv_mesh *mesh, vv_job *job)
+{
+    return new_tree(out, mesh, NULL, false, job);
 }
 
 vv_mesh_tree *vv_mesh_tree_retain(const vv_mesh_tree *tree)

@@ -37,6 +37,9 @@ struct vv_mesh_tree {
     size_t n_nodes[VVI_BVH_LEVELS];
 };
 
+/** vv_mesh_tree_new() of a mesh that nobody asks on which side of it something lies: as if it were open, which is found
+ * sooner. */
+vv_status vvi_bvh_new(vv_mesh_tree **out, const vv_mesh *mesh, vv_job *job);
 /** Triangle `index` in the order of the tree, from the tree's origin. */
 vvi_triangle vvi_bvh_triangle(const vv_mesh_tree *tree, size_t index);
 /** The triangle nearest to p (from the origin), by index in the order of the tree; its squared distance. `hint`: one

@@ -46,7 +46,7 @@ vv_status vv_carry_begin(vv_carry *out, vv_write_options *options, const vv_file
         options->channels = out->channels;
         options->n_channels = out->n_channels;
     }
-    if (!options->labels && result->meaning == VV_MEANING_LABEL)
+    if (!options->labels && result->meaning == VV_MEANING_LABEL && !out->new_values)
         options->labels = vv_file_labels(origin, &options->n_labels);
     return VV_OK;
 }

@@ -178,16 +178,6 @@ static vv_status plan_fields(vv_run *r, const vv_run_output *output)
     return st;
 }
 
-static vv_status name_inputs(const vv_run *r)
-{
-    const char *names[VVI_RUN_INPUTS];
-    for (size_t i = 0; i < r->n_inputs; i++)
-        names[i] = r->inputs[i].as ? r->inputs[i].as : "";
-    if (r->n_steps == 0 || !r->steps[0].operation->name_inputs)
-        return VV_OK;
-    return r->steps[0].operation->name_inputs(r->steps[0].params, names, r->n_inputs);
-}
-
 static bool makes_mesh(const vv_run *r)
 {
     return r->n_steps > 0 && vv_operation_makes(r->steps[r->n_steps - 1].operation) == VV_IS_MESH;
@@ -215,8 +205,6 @@ vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, 
     vv_status st = r->steps ? VV_OK : vv_fail_memory((n_steps + 1) * sizeof *steps);
     if (st == VV_OK && n_steps > 0)
         memcpy(r->steps, steps, n_steps * sizeof *steps);
-    if (st == VV_OK)
-        st = name_inputs(r);
     if (st == VV_OK)
         st = makes_mesh(r) ? vvi_run_plan_mesh(r) : plan_fields(r, output);
     if (st == VV_OK) {

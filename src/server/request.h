@@ -55,15 +55,14 @@ vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation,
 /** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
  * must be. */
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
-/** The dataset that the text of "inputs" names for an operand, or for the name of one; NULL: none. Yours. */
-char *vvi_request_input(const char *inputs, const char *name);
+/** Names that people gave inputs become the parameter of them (vv_operand.names). */
+vv_status vvi_request_name_inputs(vvi_request *request);
 
 enum { VVI_REQUEST_INPUTS = 16 };
 
 /** Inputs of an operation, opened; zeroed is valid to close. */
 typedef struct vvi_request_inputs {
     vv_run_input input[VVI_REQUEST_INPUTS];
-    char *as[VVI_REQUEST_INPUTS];
     size_t n;
 } vvi_request_inputs;
 

@@ -178,7 +178,7 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
-        if (!s->operation->inputs[0].named || !s->inputs)
+        if (!s->operation->inputs[0].names || !s->inputs)
             put_input(out, world, s->source, registry);
         st = for_others(s->inputs, visit_other, &(making){out, world, 0, job});
     }

@@ -24,7 +24,7 @@ static vv_status fail_operand(const vv_operation *operation, const char *name)
 static const vv_operand *named_operand(const vv_operation *operation)
 {
     for (const vv_operand *o = operation->inputs; o->name; o++)
-        if (o->named)
+        if (o->names)
             return o;
     return NULL;
 }
@@ -78,13 +78,30 @@ vv_status vvi_request_take_inputs(vvi_request *r, const json_t *message)
     return vv_fail(VV_E_LIMIT, "the inputs are %zu bytes long: at most %.0f are allowed", strlen(r->inputs), most);
 }
 
-char *vvi_request_input(const char *inputs, const char *name)
+/* "a,b": of a property of the parameters; without others the dataset is a. */
+static char *names_of(const char *inputs)
 {
-    json_t *all = inputs ? json_loads(inputs, 0, NULL) : NULL;
-    const char *id = json_string_value(json_object_get(all, name));
-    char *copy = id ? vvi_strdup(id) : NULL;
+    const char *name;
+    json_t *id, *all = inputs ? json_loads(inputs, 0, NULL) : NULL;
+    vvi_text text = {0};
+    vvi_text_add(&text, "\"");
+    if (json_object_size(all) == 0)
+        vvi_text_add(&text, "a");
+    json_object_foreach(all, name, id) vvi_text_printf(&text, "%s%s", text.n > 1 ? "," : "", name);
+    vvi_text_add(&text, "\"");
     json_decref(all);
-    return copy;
+    return vvi_text_take(&text);
+}
+
+vv_status vvi_request_name_inputs(vvi_request *r)
+{
+    const vv_operand *operand = named_operand(r->operation);
+    if (!operand)
+        return VV_OK;
+    char *names = names_of(r->inputs);
+    const vv_status st = names ? vv_path_set(&r->params, operand->names, names, NULL) : vv_fail_memory(64);
+    free(names);
+    return st;
 }
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
@@ -101,7 +118,6 @@ void vvi_request_close_inputs(vvi_request_inputs *inputs)
         vv_field_release((vv_field *)(uintptr_t)inputs->input[i].field);
         vv_mesh_release((vv_mesh *)(uintptr_t)inputs->input[i].mesh);
         vv_file_close(inputs->input[i].file);
-        free(inputs->as[i]);
     }
     *inputs = (vvi_request_inputs){.n = 0};
 }
@@ -163,15 +179,12 @@ static vv_status open_named(vvi_request_inputs *out, const vvi_request *r, const
     json_t *id;
     vv_status st = VV_OK;
     if (json_object_size(inputs) == 0) {
-        out->as[out->n] = vvi_strdup("a");
         return open_input(out, r, operand, r->dataset, job);
     }
     json_object_foreach(inputs, name, id)
     {
-        if (st == VV_OK) {
-            out->as[out->n] = vvi_strdup(name);
+        if (st == VV_OK)
             st = open_input(out, r, operand, json_string_value(id), job);
-        }
     }
     return st;
 }
@@ -182,7 +195,7 @@ static vv_status open_all(vvi_request_inputs *out, const vvi_request *r, json_t 
     size_t gaps = 0;
     for (const vv_operand *o = r->operation->inputs; o->name && st == VV_OK; o++) {
         const char *id = o == r->operation->inputs ? r->dataset : json_string_value(json_object_get(inputs, o->name));
-        if (o->named)
+        if (o->names)
             return open_named(out, r, o, inputs, job);
         if (!id) {
             gaps++;
@@ -203,8 +216,6 @@ vv_status vvi_request_open_inputs(vvi_request_inputs *out, const vvi_request *r,
         return vv_fail(VV_E_UNSUPPORTED, "%s takes more inputs than the page has; use the command line",
                        r->operation->name);
     const vv_status st = open_all(out, r, inputs, job);
-    for (size_t i = 0; i < out->n; i++)
-        out->input[i].as = out->as[i];
     json_decref(inputs);
     return st;
 }

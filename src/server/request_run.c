@@ -169,11 +169,11 @@ static vv_status run(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = dataset_of(r);
     if (!dataset)
         return VV_E_NOT_FOUND;
-    const vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
-                                                vv_runtime_registry(r->session->options.runtime), job);
-    if (st != VV_OK)
-        return st;
-    return run_on(r, job);
+    vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
+                                          vv_runtime_registry(r->session->options.runtime), job);
+    if (st == VV_OK)
+        st = vvi_request_name_inputs(r);
+    return st == VV_OK ? run_on(r, job) : st;
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */

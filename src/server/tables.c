@@ -116,7 +116,7 @@ static void tell_operands(vvi_result *out, const vv_operation *row)
         vvi_result_bool(out, "mesh", (o->is & VV_IS_MESH) != 0);
         vvi_result_unsigned(out, "least", o->least);
         vvi_result_unsigned(out, "most", o->most);
-        vvi_result_bool(out, "named", o->named);
+        vvi_result_bool(out, "named", o->names != NULL);
         vvi_result_close(out, '}');
     }
     vvi_result_close(out, ']');

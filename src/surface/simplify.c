@@ -4,8 +4,8 @@
 #include "core/memory.h"
 #include "grid/mesh.h"
 #include "surface/apart.h"
+#include "surface/chosen.h"
 #include "surface/cut.h"
-#include "surface/normals.h"
 #include "surface/places.h"
 #include "surface/simplify_library.h"
 #include "surface/weld.h"
@@ -180,43 +180,6 @@ static void mark_there(work *w, const uint32_t *indices, size_t n)
         w->there[w->piece[original(w, indices[k])]] = 1;
 }
 
-static void mark_pieces(uint8_t *there, const uint32_t *first, const uint32_t *indices, size_t n)
-{
-    for (size_t k = 0; k < n; k++)
-        there[first[indices[k]]] = 1;
-}
-
-static size_t count_there(const uint8_t *there, size_t n)
-{
-    size_t count = 0;
-    for (size_t v = 0; v < n; v++)
-        count += there[v];
-    return count;
-}
-
-/* Here pieces are joined by vertices, as everywhere but where pieces have to be kept. */
-static vv_status count_pieces(vvi_simplify_result *out, work *w, const vv_mesh_info *made)
-{
-    const vv_mesh_info *m = w->mesh;
-    uint32_t *first = NULL, *first_made = NULL;
-    vv_status st = vvi_mesh_number_placed_pieces(&first, m, NULL, w->job);
-    if (st == VV_OK && (st = vvi_mesh_number_placed_pieces(&first_made, made, NULL, w->job)) == VV_OK) {
-        memset(w->there, 0, m->n_vertices);
-        mark_pieces(w->there, first, m->triangles, 3 * m->n_triangles);
-        out->n_pieces = count_there(w->there, m->n_vertices);
-        memset(w->there, 0, m->n_vertices);
-        for (size_t k = 0; k < w->n_kept; k++)
-            w->there[first[original(w, w->kept[k])]] = 1;
-        out->n_dropped = out->n_pieces - count_there(w->there, m->n_vertices);
-        out->n_pieces_left = 0;
-        for (size_t v = 0; v < made->n_vertices; v++) /* each has triangles */
-            out->n_pieces_left += first_made[v] == v;
-    }
-    vvi_free(first);
-    vvi_free(first_made);
-    return st;
-}
-
 /* The triangles of the part's pieces that have none in the new mesh yet, by the part's numbers, in w->indices. */
 static size_t take_vanished(work *w, const vv_mesh_part *part, const vvi_simplify_call *call)
 {
@@ -339,66 +302,8 @@ static vv_status simplify_part(work *w, size_t index)
     w->parts[index].n_triangles = call.n_out / 3;
     w->n_kept += call.n_out;
     w->error = fmax(w->error, call.error_out);
-    return vvi_job_progress(w->job, "simplify", index + 1, n_parts(w->mesh));
-}
-
-/* Vertices in their old order, copies behind them. */
-static size_t number_kept(work *w)
-{
-    size_t n = 0;
-    memset(w->number, 0xff, (w->mesh->n_vertices + w->n_copies) * sizeof *w->number);
-    for (size_t k = 0; k < w->n_kept; k++)
-        w->number[w->kept[k]] = 0;
-    for (size_t v = 0; v < w->mesh->n_vertices + w->n_copies; v++)
-        if (w->number[v] == 0) {
-            w->vertex[n] = v < w->mesh->n_vertices ? (uint32_t)v : w->copied[v - w->mesh->n_vertices];
-            w->number[v] = (uint32_t)n++;
-        }
-    return n;
-}
-
-/* Room for the copies among the vertices. */
-static vv_status make_room(work *w)
-{
-    const size_t bytes = (w->mesh->n_vertices + w->n_copies + 1) * sizeof *w->number;
-    uint32_t *number = vvi_realloc(w->job, w->number, bytes, VVI_MEM_SCRATCH);
-    w->number = number ? number : w->number;
-    uint32_t *vertex = vvi_realloc(w->job, w->vertex, bytes, VVI_MEM_SCRATCH);
-    w->vertex = vertex ? vertex : w->vertex;
-    return number && vertex ? VV_OK : vv_fail_memory(bytes);
-}
-
-static vv_status make_mesh(vv_mesh **out, work *w)
-{
-    const vv_mesh_info *m = w->mesh;
-    const unsigned with =
-        (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
-    vvi_mesh_arrays a;
-    vv_mesh_info info = *m;
-    info.n_vertices = number_kept(w);
-    info.n_triangles = w->n_kept / 3;
-    vv_status st = vvi_mesh_new(out, &a, &info, with, w->job);
-    if (st != VV_OK)
-        return st;
-    for (size_t i = 0; i < info.n_vertices; i++) {
-        const size_t v = w->vertex[i];
-        memcpy(a.positions + 3 * i, m->positions + 3 * v, 3 * sizeof *a.positions);
-        if (m->values)
-            a.values[i] = m->values[v];
-        if (m->colors)
-            memcpy(a.colors + 4 * i, m->colors + 4 * v, 4);
-    }
-    for (size_t k = 0; k < w->n_kept; k++)
-        a.triangles[k] = w->number[w->kept[k]];
-    if (m->parts && m->n_parts)
-        memcpy(a.parts, w->parts, m->n_parts * sizeof *a.parts);
-    if (m->normals)
-        st = vvi_normals_of(a.normals, a.positions, info.n_vertices, a.triangles, info.n_triangles, w->job);
-    if (st != VV_OK) {
-        vv_mesh_release(*out);
-        *out = NULL;
-    }
-    return st;
+    return w->options->uncounted ? vvi_job_poll(w->job)
+                                 : vvi_job_progress(w->job, "simplify", index + 1, n_parts(w->mesh));
 }
 
 static vv_status simplify(vv_mesh **out, work *w)
@@ -408,9 +313,13 @@ static vv_status simplify(vv_mesh **out, work *w)
     st = find_pieces(w);
     for (size_t i = 0; i < n_parts(w->mesh) && st == VV_OK; i++)
         st = simplify_part(w, i);
-    if (st == VV_OK)
-        st = make_room(w);
-    return st == VV_OK ? make_mesh(out, w) : st;
+    const vvi_chosen chosen = {.mesh = w->mesh,
+                               .triangles = w->kept,
+                               .n = w->n_kept / 3,
+                               .copied = w->copied,
+                               .n_copies = w->n_copies,
+                               .parts = w->mesh->parts && w->mesh->n_parts ? w->parts : NULL};
+    return st == VV_OK ? vvi_chosen_mesh(out, &chosen, w->job) : st;
 }
 
 static vv_status take_arrays(work *w)
@@ -474,10 +383,13 @@ vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, cons
             .n_crowded = w.n_crowded,
             .over_budget = options->triangles != 0 && w.n_kept / 3 > options->triangles,
         };
-        st = count_pieces(result_out, &w, vv_mesh_get_info(*out));
     }
-    for (size_t k = 0; st == VV_OK && options->corners && k < w.n_kept; k++)
-        options->corners[k] = original(&w, w.kept[k]);
+    for (size_t k = 0; st == VV_OK && k < w.n_kept; k++)
+        w.kept[k] = original(&w, w.kept[k]);
+    if (st == VV_OK && options->corners)
+        memcpy(options->corners, w.kept, w.n_kept * sizeof *w.kept);
+    if (st == VV_OK && result_out && !options->uncounted)
+        st = vvi_simplify_count_pieces(result_out, w.mesh, vv_mesh_get_info(*out), w.kept, job);
     give_back_arrays(&w);
     if (st != VV_OK) {
         vv_mesh_release(*out);

@@ -12,6 +12,7 @@ typedef struct vvi_simplify_options {
     bool fix_border;      /**< vertices at open edges stay */
     const uint8_t *still; /**< of each vertex: not 0: the triangles around it stay as they are; NULL: of none */
     const uint8_t *keep;  /**< of each triangle: not 0: it is there as it was, whatever else is; NULL: of none */
+    bool uncounted;       /**< an attempt: pieces are not counted, and no progress is told */
     uint32_t *corners;    /**< room for three of each triangle, set: those of the new triangles, by the mesh's numbers;
                              NULL    is fine */
 } vvi_simplify_options;
@@ -55,4 +56,8 @@ bool vvi_can_simplify(void);
  */
 vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, const vv_mesh *mesh,
                             const vvi_simplify_options *options, vv_job *job);
+/** Sets the counts of pieces. corners: three of each triangle of the new mesh, by the mesh's numbers. Errors:
+ * VV_E_MEMORY, VV_E_CANCELLED. */
+vv_status vvi_simplify_count_pieces(vvi_simplify_result *out, const vv_mesh_info *mesh, const vv_mesh_info *made,
+                                    const uint32_t *corners, vv_job *job);
 #endif

@@ -121,6 +121,53 @@ def test_axes_of_zarr_have_the_names_that_xarray_gives_them():
         assert (said["frames"], said["dims"]) == (frames, dims), (names, said)
 
 
+def coordinates(group, data, names, lines):
+    """An array in a group of Zarr with its coordinates beside it, as xarray writes them: lines: name to values and attributes."""
+    top = zarr.open_group(group, mode="w")
+    top.array("v", data, chunks=tuple(max(1, n // 2) for n in data.shape)).attrs["_ARRAY_DIMENSIONS"] = names
+    for name, (at, attributes) in lines.items():
+        top.array(name, numpy.asarray(at), chunks=3).attrs.update({"_ARRAY_DIMENSIONS": [name], **attributes})
+    result = ok("info", f"{group}/:v", "--json")
+    return result.json, result.message
+
+
+def test_coordinates_of_zarr_place_its_samples():
+    need()
+    data = numpy.arange(4 * 6 * 5, dtype="f4").reshape(4, 6, 5)
+    z, y, x = 10 + 2.5 * numpy.arange(4), 50 - 0.25 * numpy.arange(6), -3 + 0.5 * numpy.arange(5)
+    metres = {"units": "m"}
+    for kind in ("f8", "f4"):
+        said, message = coordinates("g.zarr", data, ["z", "y", "x"], {
+            "z": (z.astype(kind), metres), "y": (y.astype(kind), metres), "x": (x.astype(kind), metres)})
+        assert said["spacing"] == [0.5, 0.25, 2.5] and said["origin"] == [-3, 50, 10] and said["unit"] == "m", said
+        assert said["metadata"]["coordinates of y"] == "50 .. 48.75 m" and "warning" not in message
+    assert ok("measure", "profile", "g.zarr/:v", "--point", "-3,50,10", "--point", "-1,48.75,17.5", "--space", "world",
+              "--samples", "2", "--json").json["profile"][1][1] == 119  # y falls
+    said, _ = coordinates("d.zarr", data[0], ["lat", "lon"], {
+        "lat": ((4 * (y * 4)).astype("i2"), {"units": "degrees_north", "scale_factor": 0.0625}),
+        "lon": (x, {"units": "degrees_east"})})
+    assert said["spacing"][:2] == [0.5, 0.25] and said["unit"] == "deg" and said["origin"][:2] == [-3, 50], said
+    said, _ = coordinates("t.zarr", data, ["time", "lat", "lon"], {"time": ([0, 6, 12, 18], {"units": "hours since 2000-01-01"})})
+    assert said["frames"] == 4 and said["frame_step"] == 6 and said["spacing"] == [1, 1, 1], said
+
+
+def test_coordinates_of_zarr_that_are_no_grid_are_told():
+    need()
+    data = numpy.zeros((4, 6, 5), "f4")
+    lines = {"z": (numpy.arange(4.0), {"units": "m"}), "y": (numpy.arange(6.0), {"units": "m"}),
+             "x": (numpy.arange(5.0), {"units": "m"})}
+    said, message = coordinates("u.zarr", data, ["z", "y", "x"], {**lines, "z": ([0, 1, 4, 9.0], {"units": "m"})})
+    says(message, "its coordinates along z are uneven (0 .. 9 m); shown as if they were even")
+    assert said["spacing"] == [1, 1, 3], said
+    said, message = coordinates("w.zarr", data, ["z", "y", "x"], {**lines, "z": ([0, 1, 0, 1.0], {"units": "m"})})
+    says(message, "along z are neither ascending nor descending")
+    said, message = coordinates("m.zarr", data, ["z", "y", "x"], {**lines, "x": (numpy.arange(5.0), {"units": "degrees_east"})})
+    says(message, "its axes have different units (x: deg, y: m, z: m); shown in equal steps")
+    assert said["spacing"] == [1, 1, 1] and said["unit"] == "voxels", said
+    said, message = coordinates("s.zarr", data, ["z", "y", "x"], {**lines, "x": (numpy.arange(4.0), {})})  # too short: none
+    says(message, "different units")
+
+
 def variables(name, data, attributes):
     """The same in netCDF, in both ways of laying samples out, and in Zarr."""
     for chunks in (None, (2, 3, 4)):

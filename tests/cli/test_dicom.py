@@ -271,11 +271,48 @@ def test_padding_is_kept_and_told():
     samples[0, 0, :3] = -2000
     more = {"RescaleSlope": 1, "RescaleIntercept": -1024, "RescaleType": "HU", "PixelPaddingValue": -2000}
     series("s", samples, **more)
-    says(ok("info", "s").text, "-2000 as stored (-3024 HU): no measurement, and part of the range", "-3024 to")
+    says(ok("info", "s").text, "-2000 as stored (-3024 HU): no measurement; left out of pictures", "where it lies apart", "-3024 to")
     got, _, info = read("s")
     assert info["metadata"]["PixelPaddingValue"] == "-2000" and numpy.array_equal(got, samples - 1024)
     series("t", samples, PixelPaddingRangeLimit=-1990, **more)
     says(ok("info", "t").text, "-2000 to -1990 as stored: no measurement")
+
+
+def test_padding_that_lies_apart_is_left_out():
+    need()
+    samples = volume((24, 24, 6))
+    j, i = numpy.mgrid[:24, :24]
+    outside = (i - 11.5) ** 2 + (j - 11.5) ** 2 > 120
+    more = {"RescaleSlope": 1, "RescaleIntercept": -24, "RescaleType": "HU"}
+
+    def fills(folder, padding, limit=None, says_it=True):
+        data = samples.copy()
+        data[:, outside] = padding
+        if limit is not None:
+            data[:, 0, ::2] = limit
+        declared = {"PixelPaddingValue": padding} if says_it else {}
+        if limit is not None:
+            declared["PixelPaddingRangeLimit"] = limit
+        series(folder, data, **declared, **more)
+        return ok("info", folder, "--stats", "--json").json["channels"][0].get("fills", [])
+
+    found = fills("a", -2000)  # a circle, as scanners have it: nobody would know it by the number alone
+    assert len(found) == 1 and found[0]["value"] == -2024 and found[0]["declared"], found
+    assert abs(found[0]["share"] - outside.mean()) < 1e-9
+    assert not fills("b", -2000, says_it=False) and not fills("c", -1001), "padding beside values is one of them"
+    found = fills("d", -2000, -1990)
+    assert len(found) == 1 and abs(found[0]["share"] - outside.mean()) < 1e-9, found
+    says(ok("render", "a", "-o", "a.png", "--size", "16x16").message, "-2024, padding as the file says",
+         "apart from all others (-1024 to", "left out")
+    assert "left out" not in ok("render", "a", "-o", "b.png", "--size", "16x16", "--missing", "none").message
+    ok("convert", "a", "-o", "rest.npy", "--missing=-2024")  # values, in HU
+    want = ok("measure", "volume", "rest.npy", "--json").json["threshold_lo"]
+    assert ok("measure", "volume", "a", "--json").json["threshold_lo"] == want
+    ok("rescale", "a", "-o", "r.npy", "--type", "u8")
+    got = numpy.load("r.npy")
+    assert (got[:, outside] == 0).all() and numpy.unique(got).size > 200
+    with_limit = ok("convert", "d", "-o", "x.npy", "--memory", "4M", "--type", "u8", "--percentile", "0..100")
+    says(with_limit.message, "padding as the file says")
 
 
 def test_every_number_of_bits_is_read():

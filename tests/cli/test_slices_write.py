@@ -45,7 +45,7 @@ def test_u8_and_u16_are_png_of_the_same_numbers():
         for number, shape in enumerate([(11, 7, 13), (1, 5, 3), (3, 1, 1), (1, 1, 1)]):
             values = volume("a.nrrd", shape, code)
             folder = f"{code}_{number}"
-            says(slices("a.nrrd", folder).message, "PNG", "spacing", ".nrrd")
+            says(slices("a.nrrd", folder, "--order", "RAS").message, "PNG", "spacing", ".nrrd")
             width = len(str(shape[0] - 1))
             assert seen(folder) == [f"z{z:0{width}d}.png" for z in range(shape[0])]
             for z, name in enumerate(seen(folder)):
@@ -68,31 +68,61 @@ def test_all_types_are_tiff_with_their_spacing():
 
 def anatomical(path, letters, values):
     """z, y, x of u16 with a scale; axes that run along these letters."""
-    words = {"L": "left", "R": "right", "P": "posterior", "A": "anterior", "S": "superior", "I": "inferior"}
-    header = (f"NRRD0005\ntype: uint16\ndimension: 3\nspace: {'-'.join(words[c] for c in letters)}\n"
-              f"sizes: {' '.join(str(n) for n in values.shape[::-1])}\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n"
+    x, y, z = (1 if c in "RAS" else -1 for c in letters)
+    header = (f"NRRD0005\ntype: uint16\ndimension: 3\nspace: right-anterior-superior\n"
+              f"sizes: {' '.join(str(n) for n in values.shape[::-1])}\nspace directions: ({x},0,0) (0,{y},0) (0,0,{2 * z})\n"
               "space origin: (3,4,5)\nspace units: \"mm\" \"mm\" \"mm\"\nendian: little\nencoding: raw\n"
               "volvis value scale:=2\nvolvis value offset:=-1024\n\n")
     with open(path, "wb") as file:
         file.write(header.encode() + values.astype("<u2").tobytes())
 
 
-def test_axial_slices_of_scanners_are_not_turned():
+def expect(folder, wanted):
+    for z, name in enumerate(seen(folder)):
+        if name.endswith(".tif"):
+            assert (tifffile().imread(f"{folder}/{name}") == wanted[z]).all(), (folder, name)
+            continue
+        with image().open(f"{folder}/{name}") as picture:
+            assert (numpy.asarray(picture) == wanted[z]).all(), (folder, name)
+
+
+def test_axial_slices_are_upright_in_png_and_along_the_axes_in_tiff():
     values = numpy.random.default_rng(5).integers(0, 1000, (3, 4, 5), "u2")
-    for letters, seen_as in {"LPS": values, "RAS": values, "LAS": values[:, :, ::-1]}.items():
+    for letters, along in {"LPS": values, "RAS": values, "LAS": values[:, :, ::-1], "LPI": values[::-1],
+                           "RAI": values[::-1]}.items():
         anatomical("a.nrrd", letters, values)
+        upright = {"LPS": values, "RAS": values[:, ::-1, ::-1], "LAS": values[:, ::-1], "LPI": values[::-1],
+                   "RAI": values[::-1, ::-1, ::-1]}[letters]
         said = slices("a.nrrd", letters, "--stored").message
-        assert ("--order LPS" in said) == (letters != "LPS"), said
-        said = slices("a.nrrd", letters + "_up", "--stored", "--order", "LPS").message
-        assert "--order LPS" not in said, said
-        upright = {"LPS": values, "RAS": values[:, ::-1, ::-1], "LAS": values[:, ::-1]}[letters]
-        for folder, expected in ((letters, seen_as), (letters + "_up", upright)):
-            for z, name in enumerate(seen(folder)):
-                with image().open(f"{folder}/{name}") as picture:
-                    assert (numpy.asarray(picture) == expected[z]).all(), (folder, name)
+        assert ("upright" in said and "--order RAS" in said) == (letters[:2] != "LP"), said
+        expect(letters, upright)
+        slices("a.nrrd", letters + "_up", "--stored", "--order", "LPS")
+        expect(letters + "_up", values if letters == "LPS" else upright)
+        said = slices("a.nrrd", letters + "_ras", "--stored", "--order", "RAS").message
+        assert "upright" not in said, said
+        expect(letters + "_ras", {"LPS": values[:, ::-1, ::-1], "LPI": values[::-1, ::-1, ::-1]}.get(letters, along))
+        said = slices("a.nrrd", letters + "_tif", "--stored", "--encoding", "tiff").message
+        assert ("--order LPS" in said) == (letters[:2] != "LP"), said
+        expect(letters + "_tif", along)
         ok("convert", "a.nrrd", "-o", "a.tif", "--stored", "--overwrite")
-        assert (tifffile().imread("a.tif") == seen_as).all(), letters
+        assert (tifffile().imread("a.tif") == along).all(), letters
         says(ok("compare", "a.nrrd", "a.tif", "--max-difference", "0").text, "placement     the same")
+
+
+def test_upright_slices_are_what_render_shows():
+    values = numpy.zeros((1, 8, 8), "u1")
+    values[0, 6:, :3] = 255  # the front, and the side where x begins
+    for letters in ("RAS", "LAS", "LPS", "RPS"):
+        anatomical("a.nrrd", letters, values)
+        slices("a.nrrd", letters + "_p", "--stored")
+        ok("render", "a.nrrd", "-o", "a.png", "--slice", "axial", "--size", "64", "--overwrite")
+        with image().open("a.png") as shown, image().open(f"{letters}_p/z0.png") as written:
+            light = numpy.asarray(shown.convert("L")).astype(float)
+            part = numpy.asarray(written).astype(float)
+        def quadrant(p):
+            rows, columns = numpy.nonzero(p > p.max() / 2)
+            return rows.mean() < (p.shape[0] - 1) / 2, columns.mean() < (p.shape[1] - 1) / 2
+        assert quadrant(light) == quadrant(part), letters
 
 
 def test_a_scale_that_is_lost_is_told():
@@ -163,7 +193,7 @@ def test_only_folders_of_slices_by_volvis_are_replaced():
 
 def test_names_of_slices_are_a_pattern():
     values = volume("a.nrrd", (11, 7, 13), "u1")
-    ok("convert", "a.nrrd", "-o", "pattern/slice_%03d.png")
+    ok("convert", "a.nrrd", "-o", "pattern/slice_%03d.png", "--order", "RAS")
     assert seen("pattern") == [f"slice_{z:03d}.png" for z in range(11)]
     for z, name in enumerate(seen("pattern")):
         with image().open(f"pattern/{name}") as picture:

@@ -320,6 +320,9 @@ static void write_texts(void)
         put_text("unit", name, text);
         put_text("unit", quantities[i], quantities[i]);
     }
+    put_text("expression", "signs", "-a^2 + !b * (c - 1e-3) % 2 / .5 >= x && y != i || a == b ? a < b : c <= 3");
+    put_text("expression", "functions",
+             "where(isnan(a), min(a, b, 1), clamp(hypot(x, y), 0, pi)) + atan2(y, x) * max(nan, inf) - log10(abs(a))");
 }
 
 /* One message of each type (docs/protocol.md), each after the greeting, and all of them; then what a journal may hold.

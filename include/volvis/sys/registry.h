@@ -134,7 +134,7 @@ typedef struct vv_operand {
     unsigned is;        /**< of vv_data_is */
     size_t least, most; /**< how many: 1 and 1, unless it is optional or several. Only the last of a row is several */
     const char *doc;
-    bool named; /**< each has a name of its own, which parameters speak of: see vv_operation.name_inputs */
+    const char *names; /**< of several that people name as they like: the parameter of the names, as in "a,b" */
 } vv_operand;
 
 /** The commonest inputs: one volume, one mesh. */
@@ -151,8 +151,6 @@ typedef struct vv_operation {
     const char *example; /**< a command line; run by the tests */
     const vv_class *params;
     const vv_operand *inputs; /**< in the order of words; ends with one without a name */
-    /** Before all else, where inputs are `named`: what each is called, in their order. NULL: none is. */
-    vv_status (*name_inputs)(vv_object *params, const char *const *names, size_t n);
     /** Fields from fields: new samples from old; same bytes for any thread count. params is of the class above. NULL:
      * run_box does it. Call it by vv_operation_run(). */
     vv_status (*run)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,

@@ -191,8 +191,6 @@ vv_status vvi_h5_write(vv_sink *sink, const vv_field *const *frames, size_t n_fr
 vv_status vvi_h5_read(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,
                       const vv_box *region, vv_job *job);
 
-/** One letter of "tczyx" for an axis of this name; 0 when it says nothing. */
-char vvi_h5_role_named(const char *name);
 /** Roles of the axes, and where the samples are, from the attributes of a data set and of the groups that it is in. */
 vv_status vvi_h5_axes(vv_field_info *info, vvi_h5_plan *plan, vvi_h5 *h5, hid_t data, vv_notes *notes);
 

@@ -6,6 +6,7 @@
  * pixel_size Numbers of spacing are in the order of the data set's axes: z, y, x. */
 #include "core/text.h"
 #include "core/units.h"
+#include "io/cf_axes.h"
 #include "io/formats/hdf5.h"
 #include "io/place.h"
 #include "io/scan.h"
@@ -16,54 +17,6 @@
 #include <string.h>
 
 /* Roles ----------------------------------------------------------------------------------------------------------- */
-
-/* One letter for an axis of this name; 0 when it says nothing. */
-char vvi_h5_role_named(const char *name)
-{
-    static const struct {
-        const char *name;
-        char role;
-    } names[] = {{"x", 'x'},
-                 {"y", 'y'},
-                 {"z", 'z'},
-                 {"t", 't'},
-                 {"c", 'c'},
-                 {"time", 't'},
-                 {"frame", 't'},
-                 {"frames", 't'},
-                 {"channel", 'c'},
-                 {"channels", 'c'},
-                 {"component", 'c'},
-                 {"components", 'c'},
-                 {"lon", 'x'},
-                 {"longitude", 'x'},
-                 {"grid_longitude", 'x'},
-                 {"lat", 'y'},
-                 {"latitude", 'y'},
-                 {"grid_latitude", 'y'},
-                 {"lev", 'z'},
-                 {"level", 'z'},
-                 {"height", 'z'},
-                 {"depth", 'z'},
-                 {"altitude", 'z'},
-                 {"plev", 'z'},
-                 {"pressure", 'z'},
-                 {"row", 'y'},
-                 {"column", 'x'},
-                 {"slice", 'z'},
-                 {"xspace", 'x'},
-                 {"yspace", 'y'},
-                 {"zspace", 'z'},
-                 {"nx", 'x'},
-                 {"ny", 'y'},
-                 {"nz", 'z'},
-                 {"projection_x_coordinate", 'x'},
-                 {"projection_y_coordinate", 'y'}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcasecmp(name, names[i].name) == 0)
-            return names[i].role;
-    return 0;
-}
 
 /* Each role once, all known, and two at least in the plane. */
 static bool roles_are_whole(const char *roles, int rank)
@@ -85,7 +38,7 @@ static void roles_of_tags(char *roles, hid_t data)
     json_t *axes = json_object_get(tags, "axes");
     for (size_t i = 0; i < json_array_size(axes) && i < VVI_H5_RANK; i++) {
         const char *key = json_string_value(json_object_get(json_array_get(axes, i), "key"));
-        roles[i] = key ? vvi_h5_role_named(key) : 0;
+        roles[i] = key ? vvi_cf_role_named(key) : 0;
         roles[i + 1] = 0;
     }
     json_decref(tags);
@@ -106,7 +59,7 @@ static void roles_of_names(char *roles, hid_t data, const char *attribute)
     }
     while ((word = strsep(&rest, ", ;")) != NULL && n < VVI_H5_RANK)
         if (word[0])
-            roles[n++] = vvi_h5_role_named(word);
+            roles[n++] = vvi_cf_role_named(word);
     roles[n] = 0;
 }
 

@@ -2,6 +2,7 @@
  * may differ from slice to slice. https://en.wikibooks.org/wiki/MINC/Reference/MINC2.0_File_Format_Reference */
 #include "core/memory.h"
 #include "core/text.h"
+#include "io/cf_axes.h"
 #include "io/formats/hdf5.h"
 #include "io/place.h"
 #include "io/scan.h"
@@ -27,7 +28,7 @@ static vv_status choose_roles(vvi_h5_plan *plan, const vvi_h5 *h5, hid_t data)
     if (!vvi_h5_text(text, sizeof text, data, "dimorder"))
         return vv_fail_at(VV_E_FORMAT, h5->name, IMAGE, "has no attribute 'dimorder'");
     while ((name = strsep(&rest, ",")) != NULL && n < plan->set.rank) {
-        const char role = strcmp(name, "vector_dimension") == 0 ? 'c' : vvi_h5_role_named(name);
+        const char role = strcmp(name, "vector_dimension") == 0 ? 'c' : vvi_cf_role_named(name);
         if (!role || strchr(plan->roles, role))
             return vv_fail_at(VV_E_UNSUPPORTED, h5->name, IMAGE,
                               "has an axis '%.40s'; xspace, yspace, zspace, time and "

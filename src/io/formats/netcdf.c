@@ -3,6 +3,7 @@
  * HDF5 1.10 reads without looking. What scales mean is told by the CF conventions, https://cfconventions.org. */
 #include "core/limits.h"
 #include "core/memory.h"
+#include "io/cf_axes.h"
 #include "io/formats/hdf5.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,8 +102,8 @@ char vvi_netcdf_role(hid_t variable, const char *path)
 {
     char text[VVI_H5_TEXT];
     const char *name = strrchr(path, '/');
-    if (vvi_h5_text(text, sizeof text, variable, "axis") && strlen(text) == 1 && vvi_h5_role_named(text))
-        return vvi_h5_role_named(text);
+    if (vvi_h5_text(text, sizeof text, variable, "axis") && strlen(text) == 1 && vvi_cf_role_named(text))
+        return vvi_cf_role_named(text);
     if (vvi_h5_text(text, sizeof text, variable, "units")) {
         if (strncmp(text, "degree", 6) == 0 && (strstr(text, "_east") || strstr(text, "_E")))
             return 'x';
@@ -113,9 +114,9 @@ char vvi_netcdf_role(hid_t variable, const char *path)
     }
     if (vvi_h5_text(text, sizeof text, variable, "positive"))
         return 'z';
-    if (vvi_h5_text(text, sizeof text, variable, "standard_name") && vvi_h5_role_named(text))
-        return vvi_h5_role_named(text);
-    return vvi_h5_role_named(name ? name + 1 : path);
+    if (vvi_h5_text(text, sizeof text, variable, "standard_name") && vvi_cf_role_named(text))
+        return vvi_cf_role_named(text);
+    return vvi_cf_role_named(name ? name + 1 : path);
 }
 
 /* What the conventions leave open gets what is left, the last axis first: x, y, z, time, components. */

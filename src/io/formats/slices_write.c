@@ -85,11 +85,14 @@ int vvi_slices_folder_file(const char *name)
 
 /* Planning -------------------------------------------------------------------------------------------------------- */
 
-static vv_status choose_encoding(writer *w, const vv_field_info *info, const char *encoding)
+static vv_status choose_encoding(writer *w, const vv_field_info *info, const char *encoding,
+                                 const vv_write_options *options)
 {
     const bool fits = (info->type == VV_TYPE_U8 || info->type == VV_TYPE_U16) &&
                       w->turn.grid.dims[0] <= PNG_SIDE_MOST && w->turn.grid.dims[1] <= PNG_SIDE_MOST;
     w->png = encoding ? strcmp(encoding, "png") == 0 : fits;
+    if (w->png && !options->keep_order)
+        w->turn = vvi_turn_upright(&info->grid, STRAIGHT);
     if (w->png && !fits)
         return vv_fail_at(VV_E_ARGUMENT, vvi_sink_name(w->sink), NULL,
                           "PNG holds u8 and u16 of up to %d samples a side, and these are %s of %" PRId64 " x %" PRId64
@@ -141,6 +144,8 @@ static bool is_front_down(const writer *w)
 static void warn_of_loss(const writer *w, const vv_field_info *info)
 {
     char scale[96] = "";
+    const vvi_turn by_axes = vvi_turn_pages(&info->grid, STRAIGHT);
+    const bool turned = w->turn.back[0] != by_axes.back[0] || w->turn.back[1] != by_axes.back[1];
     if (w->png && vvi_has_scale(info))
         snprintf(scale, sizeof scale, ", scale of values (stored * %g %c %g)", info->value_scale,
                  info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
@@ -148,7 +153,9 @@ static void warn_of_loss(const writer *w, const vv_field_info *info)
             "%s: slices of %s do not keep %sorientation, origin%s and names; write .nrrd to "
             "keep all%s",
             vvi_sink_name(w->sink), w->png ? "PNG" : "TIFF", w->png ? "spacing, " : "", scale,
-            is_front_down(w)
+            turned ? "; they are upright, the patient's front at the top and right on the left: --order RAS keeps them "
+                     "along the axes"
+            : is_front_down(w)
                 ? "; the patient's front is at the bottom of each: --order LPS, or volvis reorient, puts it "
                   "at the top"
                 : "");
@@ -163,7 +170,7 @@ static vv_status plan(writer *w, const vv_field_info *info, const vv_write_optio
     w->channels = colors ? 1 : info->components;
     const char *encoding;
     vv_status st = check_names(&encoding, w, options);
-    if (st != VV_OK || (st = choose_encoding(w, info, encoding)) != VV_OK)
+    if (st != VV_OK || (st = choose_encoding(w, info, encoding, options)) != VV_OK)
         return st;
     w->slice = vv_field_info_default();
     w->slice.type = info->type;

@@ -66,14 +66,18 @@ static vv_status add_notes(const vvi_zarr_choice *c, vv_notes *notes)
     return st == VV_OK ? add_attributes(c->array_node.attributes, notes) : st;
 }
 
-static vv_status use_choice(vv_field_info *info, plan *p, const vvi_zarr_choice *c, const vv_source *source,
-                            vv_notes *notes, vv_job *job)
+static vv_status use_choice(vv_field_info *info, plan *p, const vvi_zarr_choice *c, const vvi_zarr_tree *tree,
+                            vv_notes *notes)
 {
+    const vv_source *source = tree->folder;
+    vv_job *job = tree->job;
     p->array = c->array;
     memcpy(p->path, c->array_node.path, sizeof p->path);
     vv_status st = vvi_zarr_place(info, &p->axes, &p->array, c->image, c->level, notes, vvi_source_name(source));
     if (st == VV_OK && c->image)
         st = vvi_zarr_describe(info, &c->image_node, notes, job);
+    if (st == VV_OK && !c->image)
+        st = vvi_zarr_lines(info, &p->array, &p->axes, tree, p->path, notes);
     if (st == VV_OK)
         st = vvi_zarr_take_cf(info, &p->array, &c->array_node, notes);
     return st == VV_OK ? add_notes(c, notes) : st;
@@ -95,7 +99,7 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
     if (st == VV_OK)
         st = vvi_zarr_choose(&choice, &tree, options->part, notes);
     if (st == VV_OK)
-        st = use_choice(info, p, &choice, source, notes, job);
+        st = use_choice(info, p, &choice, &tree, notes);
     vvi_zarr_choice_close(&choice);
     vvi_zarr_tree_close(&tree);
     if (st != VV_OK)

@@ -102,7 +102,7 @@ typedef struct vvi_zarr_chain {
 typedef struct vvi_zarr_array {
     int n_axes; /* slowest first, as in its shape */
     int64_t shape[VVI_ZARR_AXES], chunk[VVI_ZARR_AXES];
-    char axis_name[VVI_ZARR_AXES][16]; /* "" when not said */
+    char axis_name[VVI_ZARR_AXES][64]; /* "" when not said */
     int order[VVI_ZARR_AXES];          /* axes of a chunk as they lie, slowest first */
     vvi_zarr_type type;
     uint64_t fill; /* the element's bytes, as in a field */
@@ -222,6 +222,10 @@ vv_status vvi_zarr_place(vv_field_info *info, vvi_zarr_axes *axes, const vvi_zar
                          const vvi_zarr_image *image, int level, vv_notes *notes, const char *name);
 /** Channels, labels, and what VolVis itself wrote about values. */
 vv_status vvi_zarr_describe(vv_field_info *info, const vvi_zarr_node *node, vv_notes *notes, vv_job *job);
+
+/** Places of a plain array by the coordinates that arrays of its group have for its axes, each named as an axis. */
+vv_status vvi_zarr_lines(vv_field_info *info, const vvi_zarr_array *array, const vvi_zarr_axes *axes,
+                         const vvi_zarr_tree *tree, const char *path, vv_notes *notes);
 
 /** Unit, scale, sign and missing values as the attributes of an array say: after its axes and meaning. */
 vv_status vvi_zarr_take_cf(vv_field_info *info, vvi_zarr_array *array, const vvi_zarr_node *node, vv_notes *notes);

@@ -1,5 +1,6 @@
 /* Which axis of an array is which of a field, and where its samples lie. */
 #include "core/units.h"
+#include "io/cf_axes.h"
 #include "io/formats/zarr.h"
 #include "io/place.h"
 #include "io/scan.h"
@@ -35,22 +36,9 @@ static int role_of_letter(char letter)
 /* Names as arrays carry them: all of them must be known and different. */
 static bool roles_by_name(int *role, const vvi_zarr_array *a)
 {
-    static const struct {
-        const char *name;
-        int role;
-    } names[] = {{"x", VVI_ROLE_X},         {"y", VVI_ROLE_Y},
-                 {"z", VVI_ROLE_Z},         {"lon", VVI_ROLE_X},
-                 {"lat", VVI_ROLE_Y},       {"longitude", VVI_ROLE_X},
-                 {"latitude", VVI_ROLE_Y},  {"depth", VVI_ROLE_Z},
-                 {"level", VVI_ROLE_Z},     {"height", VVI_ROLE_Z},
-                 {"t", VVI_ROLE_FRAME},     {"time", VVI_ROLE_FRAME},
-                 {"c", VVI_ROLE_COMPONENT}, {"channel", VVI_ROLE_COMPONENT}};
     unsigned taken = 0;
     for (int i = 0; i < a->n_axes; i++) {
-        role[i] = -1;
-        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-            if (strcasecmp(a->axis_name[i], names[k].name) == 0)
-                role[i] = names[k].role;
+        role[i] = role_of_letter(vvi_cf_role_named(a->axis_name[i]));
         if (role[i] < 0 || taken >> role[i] & 1)
             return false;
         taken |= 1u << role[i];

@@ -54,12 +54,8 @@ static bool are_amounts(const vv_actor *actor, const vv_volume *volume)
            !(vv_object_is_set(&s->base, "kind") && s->kind == VV_SEGMENT_LABELS);
 }
 
-static vv_status leave_out(vv_actor *actor, const double *values, size_t n, vv_job *job)
+static vv_status show_rest(vv_actor *actor, vv_field *rest, vv_job *job)
 {
-    vv_field *rest;
-    const vv_status st = vvi_field_without(&rest, actor->field, actor->component, values, n, job);
-    if (st != VV_OK)
-        return st;
     vv_field_release((vv_field *)actor->field);
     actor->field = rest;
     actor->component = 0;
@@ -71,28 +67,29 @@ static vv_status leave_fill_out(vv_actor *actor, const vv_volume *volume, const 
 {
     const vv_segmentation *s = (const vv_segmentation *)volume->segmentation;
     const span spoken = spoken_of(volume);
-    vvi_fill_value fill;
+    vvi_fills fills;
+    vv_field *rest;
+    char text[VVI_FILL_TEXT];
     size_t n_labels = 0;
-    vv_status st = vvi_fill_value_find(&fill, actor->field, actor->component, actor->statistics, job);
-    if (st != VV_OK || !fill.found || (fill.value >= spoken.lo && fill.value <= spoken.hi))
+    vv_status st = vvi_fills_find(&fills, actor->field, actor->component, actor->statistics, job);
+    if (st != VV_OK)
         return st;
-    if (!vv_object_is_set(&s->base, "kind"))
+    vvi_fills_keep(&fills, spoken.lo, spoken.hi);
+    if (fills.n && !vv_object_is_set(&s->base, "kind"))
         st = vvi_label_sense(&n_labels, actor->field, actor->component, job);
-    if (st != VV_OK || n_labels)
+    if (st != VV_OK || n_labels || fills.n == 0)
         return st;
-    st = leave_out(actor, &fill.value, 1, job);
-    if (!path)
-        return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
-    if (st == VV_E_MEMORY || st == VV_E_LIMIT) {
-        vvi_log(job, VV_LOG_WARNING, "render", "%s: no memory to leave out %.9g, which %.2g %% of the samples are",
-                path, fill.value, 100 * fill.share);
-        return VV_OK;
-    }
-    vvi_log(job, VV_LOG_WARNING, "render",
-            "%s: %.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): taken as missing and left out; "
-            "%s.missing=[] shows them",
-            path, 100 * fill.share, fill.value, fill.lo, fill.hi, path);
-    return st;
+    vvi_fills_print(text, &fills);
+    st = vvi_field_without_fills(&rest, actor->field, actor->component, &fills, job);
+    const bool no_room = st == VV_E_MEMORY || st == VV_E_LIMIT;
+    if (st == VV_OK)
+        st = show_rest(actor, rest, job);
+    if (no_room && path)
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: %s: no memory to leave them out", path, text);
+    else if (path)
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: %s: taken as missing and left out; %s.missing=[] shows them", path,
+                text, path);
+    return no_room ? VV_OK : st;
 }
 
 vv_status vvi_resolve_missing(vv_actor *actor, const vv_volume *volume, const char *path, vv_job *job)
@@ -102,5 +99,9 @@ vv_status vvi_resolve_missing(vv_actor *actor, const vv_volume *volume, const ch
         return VV_OK;
     if (!vv_object_is_set(&volume->base, "missing"))
         return leave_fill_out(actor, volume, path, job);
-    return missing && missing->n ? leave_out(actor, missing->v, missing->n, job) : VV_OK;
+    if (!missing || missing->n == 0)
+        return VV_OK;
+    vv_field *rest;
+    const vv_status st = vvi_field_without(&rest, actor->field, actor->component, missing->v, missing->n, job);
+    return st == VV_OK ? show_rest(actor, rest, job) : st;
 }

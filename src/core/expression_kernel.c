@@ -1,0 +1,37 @@
+#include "core/expression_kernel.h"
+#include "core/simd.h"
+
+/* Rows have a fixed length: the compiler makes vectors of these loops, and no fused arithmetic (-ffp-contract=off). */
+#define ROW_OP(name, operands, value) ROW_OP_##operands(name, value)
+#define ROW_OP_1(name, value)                                                                                          \
+    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
+    {                                                                                                                  \
+        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
+            const double a = as[i];                                                                                    \
+            out[i] = (value);                                                                                          \
+        }                                                                                                              \
+    }
+#define ROW_OP_2(name, value)                                                                                          \
+    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
+    {                                                                                                                  \
+        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
+            const double a = as[i], b = bs[i];                                                                         \
+            out[i] = (value);                                                                                          \
+        }                                                                                                              \
+    }
+#define ROW_OP_3(name, value)                                                                                          \
+    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
+    {                                                                                                                  \
+        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
+            const double a = as[i], b = bs[i], c = cs[i];                                                              \
+            out[i] = (value);                                                                                          \
+        }                                                                                                              \
+    }
+VVI_EXPRESSION_OPS(ROW_OP)
+
+#define ROW_NAME(name, operands, value) [VVI_OP_##name] = row_##name,
+const vvi_expression_kernels VV_KERNEL_TABLE(vvi_expression_kernels) = {
+    .isa = VV_ISA_NAME,
+    .needs = VV_ISA_NEEDS,
+    .ops = {VVI_EXPRESSION_OPS(ROW_NAME)},
+};

@@ -1,0 +1,247 @@
+/* Mean: each sample becomes the mean of those in the window around it. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "filter/mean_lines.h"
+#include "filter/window.h"
+#include "grid/making.h"
+#include "registry.h"
+
+#include <math.h>
+#include <string.h>
+
+#define WINDOW_MOST ((int64_t)1 << 21) /* samples: their sums are exact as doubles */
+#define SMALL_MOST 32767               /* of them, of 16 bits, sum up to 31 bits */
+
+static const vv_property properties[] = {VVI_WINDOW_PROPERTIES, {0}};
+
+static const vv_class mean_class = {
+    .name = "mean",
+    .doc = "parameters of mean",
+    .size = sizeof(vvi_window_params),
+    .properties = properties,
+    .check = vvi_window_check,
+};
+
+static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    int64_t radius[3];
+    *out = inputs[0];
+    if (inputs[0].meaning == VV_MEANING_LABEL)
+        return vv_fail(VV_E_UNSUPPORTED, "mean: labels are names, not amounts, and have no mean");
+    return vvi_window_radius(radius, &inputs[0], params, "mean", WINDOW_MOST);
+}
+
+typedef struct shared {
+    vvi_making making;
+    const vv_field_info *info;
+    const vvi_mean_lines *lines;
+    int64_t radius[3];
+    int64_t window; /* samples of it */
+    vv_job *job;
+} shared;
+
+typedef struct scratch {
+    char *block, *room;   /* numbers of a tile with its margin */
+    double *mask, *other; /* the same of 1 where there is a number, 0 where it is missing */
+    double *row, *counts;
+    size_t numbers;
+} scratch;
+
+static void finish(void *scratch_in, void *user)
+{
+    scratch *own = scratch_in;
+    if (!own)
+        return;
+    vvi_free(own->block);
+    vvi_free(own->room);
+    vvi_free(own->mask);
+    vvi_free(own->other);
+    vvi_free(own->row);
+    vvi_free(own->counts);
+    vvi_free(own);
+}
+
+static vv_status start(void **scratch_out, void *user, int worker)
+{
+    const shared *s = user;
+    scratch *own = vvi_alloc_zeroed(s->job, sizeof *own, VVI_MEM_SCRATCH);
+    if (!own)
+        return vv_fail_memory(sizeof *own);
+    own->numbers = 1;
+    for (int a = 0; a < 3; a++)
+        own->numbers *= (size_t)(s->making.slabs.step[a] + 2 * s->radius[a]);
+    const size_t bytes = own->numbers * s->lines->bytes;
+    const size_t row = (size_t)s->making.slabs.step[0] * sizeof *own->row;
+    own->block = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
+    own->room = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
+    own->row = vvi_alloc(s->job, row, VVI_MEM_SCRATCH);
+    own->counts = vvi_alloc(s->job, row, VVI_MEM_SCRATCH);
+    if (!own->block || !own->room || !own->row || !own->counts) {
+        finish(own, user);
+        return vv_fail_memory(bytes);
+    }
+    *scratch_out = own;
+    return VV_OK;
+}
+
+/* A tile, dims[] with its margin. */
+typedef struct tile {
+    vv_box box;
+    int64_t dims[3];
+    int64_t component;
+} tile;
+
+static int64_t clamp(int64_t v, int64_t lo, int64_t n)
+{
+    return v < lo ? lo : v >= lo + n ? lo + n - 1 : v;
+}
+
+static const char *samples_at(const shared *s, int64_t x, int64_t y, int64_t z, int64_t component)
+{
+    const vv_brick *b = &s->making.brick;
+    return (const char *)b->data + (x - b->box.lo[0]) * b->stride[0] + (y - b->box.lo[1]) * b->stride[1] +
+           (z - b->box.lo[2]) * b->stride[2] + component * (int64_t)vv_type_bytes(s->info->type);
+}
+
+/* Row (j, k) of a tile with its margin; beyond the border lie the border's samples. */
+static void gather_row(char *out, const shared *s, const tile *t, int64_t j, int64_t k)
+{
+    const int64_t *lo = s->making.brick.box.lo, *n = s->making.brick.box.n, *r = s->radius;
+    const int64_t y = clamp(t->box.lo[1] - r[1] + j, lo[1], n[1]), z = clamp(t->box.lo[2] - r[2] + k, lo[2], n[2]);
+    const int64_t x = t->box.lo[0] - r[0], end = x + t->dims[0], bytes = (int64_t)s->lines->bytes;
+    const int64_t first = clamp(x, lo[0], n[0]), last = clamp(end - 1, lo[0], n[0]);
+    char *inside = out + (first - x) * bytes;
+    s->lines->load(inside, samples_at(s, first, y, z, t->component), s->making.brick.stride[0], s->info->type,
+                   last - first + 1);
+    for (int64_t i = x; i < first; i++)
+        memcpy(out + (i - x) * bytes, inside, (size_t)bytes);
+    for (int64_t i = last + 1; i < end; i++)
+        memcpy(out + (i - x) * bytes, inside + (last - first) * bytes, (size_t)bytes);
+}
+
+/* NaN become 0, and the mask says where; false: there are none. */
+static vv_status mask_nan(bool *any, scratch *own, const shared *s, size_t n)
+{
+    double *v = (double *)(void *)own->block;
+    *any = false;
+    for (size_t i = 0; i < n && vv_type_is_float(s->info->type); i++)
+        *any |= isnan(v[i]) != 0;
+    if (!*any)
+        return VV_OK;
+    if (!own->mask)
+        own->mask = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->mask, VVI_MEM_SCRATCH);
+    if (!own->other)
+        own->other = vvi_alloc_zeroed(s->job, own->numbers * sizeof *own->other, VVI_MEM_SCRATCH);
+    if (!own->mask || !own->other)
+        return vv_fail_memory(own->numbers * sizeof *own->mask);
+    for (size_t i = 0; i < n; i++) {
+        own->mask[i] = !isnan(v[i]);
+        v[i] = isnan(v[i]) ? 0 : v[i];
+    }
+    return VV_OK;
+}
+
+/* NaN stay. */
+static void restore_row(char *out, const shared *s, const tile *t, int64_t j, int64_t k)
+{
+    const int64_t each = (int64_t)vv_type_bytes(s->info->type), in_step = s->making.brick.stride[0];
+    const char *in = samples_at(s, t->box.lo[0], t->box.lo[1] + j, t->box.lo[2] + k, t->component);
+    for (int64_t i = 0; i < t->box.n[0]; i++) {
+        double v;
+        vvi_samples_to_f64(&v, in + i * in_step, s->info->type, 1);
+        if (isnan(v))
+            memcpy(out + i * each * s->info->components, in + i * in_step, (size_t)each);
+    }
+}
+
+static void write_row(char *out, double *row, const vv_field_info *info, int64_t n)
+{
+    const size_t each = vv_type_bytes(info->type), step = each * (size_t)info->components;
+    if (info->components == 1)
+        vvi_samples_from_f64(out, row, info->type, (size_t)n);
+    else
+        for (int64_t i = 0; i < n; i++)
+            vvi_samples_from_f64(out + (size_t)i * step, row + i, info->type, 1);
+}
+
+static vv_status write_tile(scratch *own, const shared *s, const tile *t)
+{
+    const size_t n = (size_t)(t->dims[0] * t->dims[1] * t->dims[2]);
+    const int64_t each = (int64_t)vv_type_bytes(s->info->type);
+    const double *counts = NULL;
+    bool odd;
+    for (int64_t k = 0; k < t->dims[2]; k++)
+        for (int64_t j = 0; j < t->dims[1]; j++)
+            gather_row(own->block + (size_t)((k * t->dims[1] + j) * t->dims[0]) * s->lines->bytes, s, t, j, k);
+    const vv_status st = mask_nan(&odd, own, s, n);
+    if (st != VV_OK)
+        return st;
+    const char *sums = s->lines->sum(own->block, own->room, t->dims, s->radius);
+    if (odd)
+        counts = vvi_mean_lines_f64.sum(own->mask, own->other, t->dims, s->radius);
+    for (int64_t k = 0; k < t->box.n[2]; k++)
+        for (int64_t j = 0; j < t->box.n[1]; j++) {
+            const int64_t at = (k * t->dims[1] + j) * t->dims[0];
+            const int64_t to = vvi_slabs_row(&s->making.slabs, &t->box, j, k) * s->info->components + t->component;
+            s->lines->give(own->row, sums + (size_t)at * s->lines->bytes, t->box.n[0]);
+            for (int64_t i = 0; i < t->box.n[0]; i++)
+                own->row[i] /= counts ? counts[at + i] : (double)s->window;
+            write_row(s->making.out + to * each, own->row, s->info, t->box.n[0]);
+            if (odd)
+                restore_row(s->making.out + to * each, s, t, j, k);
+        }
+    return vvi_job_poll(s->job);
+}
+
+static vv_status item(void *scratch_in, void *user, size_t index)
+{
+    const shared *s = user;
+    tile t = {.box = vvi_slabs_item(&s->making.slabs, index)};
+    vv_status st = VV_OK;
+    for (int a = 0; a < 3; a++)
+        t.dims[a] = t.box.n[a] + 2 * s->radius[a];
+    for (; t.component < s->info->components && st == VV_OK; t.component++)
+        st = write_tile(scratch_in, s, &t);
+    return st;
+}
+
+static const vvi_mean_lines *lines_for(vv_type type, int64_t window)
+{
+    if (vv_type_is_float(type) || vv_type_bytes(type) == 8)
+        return &vvi_mean_lines_f64;
+    return vv_type_bytes(type) <= 2 && window <= SMALL_MOST ? &vvi_mean_lines_i32 : &vvi_mean_lines_i64;
+}
+
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
+{
+    static const vvi_work work = {.stage = "mean", .start = start, .item = item, .finish = finish};
+    vv_field_info info;
+    shared s = {.making = {.in = inputs[0]}, .info = &info, .window = 1, .job = job};
+    *out = NULL;
+    vv_status st = plan(&info, vv_field_get_info(inputs[0]), n_inputs, params);
+    if (st == VV_OK)
+        st = vvi_window_radius(s.radius, &info, params, "mean", WINDOW_MOST);
+    if (st != VV_OK)
+        return st;
+    for (int a = 0; a < 3; a++)
+        s.window *= 2 * s.radius[a] + 1;
+    s.lines = lines_for(info.type, s.window);
+    s.making.slabs = vvi_window_wide_tiles(box, s.radius);
+    const vv_box needed = vvi_window_reach(box, s.radius, info.grid.dims);
+    return vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
+}
+
+const vv_operation vvi_operation_mean = {
+    .api = VV_OPERATION_API,
+    .name = "mean",
+    .component = "filter",
+    .doc = "the mean of a box around each sample; beyond the border are the values of the border; each channel "
+           "separately",
+    .example = "volvis mean head.nrrd -o smooth.nrrd --radius 1.5mm",
+    .params = &mean_class,
+    .inputs = VV_ONE_VOLUME,
+    .run_box = run_box,
+    .plan = plan,
+    .carry = vv_carry_values,
+};
