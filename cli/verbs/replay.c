@@ -28,7 +28,8 @@ static vv_status run(cli_command *command)
     char *state = NULL;
     if ((st = cli_state_root(&state)) != VV_OK)
         return st;
-    st = vvi_recording_play(&world, cli_command_word(command, 0), &options, state, command->job);
+    const bool keeps = command->common->output && !command->common->dry_run;
+    st = vvi_recording_play(&world, cli_command_word(command, 0), &options, state, keeps, command->job);
     free(state);
     if (st != VV_OK)
         return st;
@@ -46,7 +47,8 @@ const cli_verb cli_verb_replay = {
     .name = "replay",
     .doc = "replay a recorded session of view: the scene that it leads to",
     .about = "RECORDING is a file written by 'volvis view --record' or 'volvis serve --record': what the pages sent, "
-             "and when. The resulting World is the one at the end of the session; without -o it is printed.",
+             "and when. The resulting World is the one at the end of the session; without -o it is printed. Results of "
+             "operations are computed again; with -o those that the scene shows stay, in the folder of sessions.",
     .words = "RECORDING",
     .choices = "files",
     .min_words = 1,

@@ -47,17 +47,22 @@ static bool finite3(vv_vec3 v)
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
-#define LENGTH_MOST 1e150 /* its square is finite too, as distances need */
+/* So that squares of lengths and volumes are numbers too, and none of them 0. */
+#define LENGTH_MOST 1e100
+#define SPACING_LEAST 1e-100
 
 static vv_status check_lengths(const vv_grid *grid)
 {
     for (int a = 0; a < 3; a++) {
-        const double length = vv_grid_spacing(grid, a) * (double)grid->dims[a];
+        const double spacing = vv_grid_spacing(grid, a), length = spacing * (double)grid->dims[a];
+        if (spacing > 0 && spacing < SPACING_LEAST)
+            return vv_fail(VV_E_FORMAT, "the spacing along %c is %g %s; expected no less than %g: it is damaged",
+                           "xyz"[a], spacing, grid -> unit, SPACING_LEAST);
         if (!(length <= LENGTH_MOST))
             return vv_fail(VV_E_FORMAT,
                            "the volume is %g %s long along %c; expected no more than %g: its spacing (%g) is "
                            "damaged",
-                           length, grid->unit, "xyz"[a], LENGTH_MOST, vv_grid_spacing(grid, a));
+                           length, grid->unit, "xyz"[a], LENGTH_MOST, spacing);
     }
     return VV_OK;
 }
@@ -75,6 +80,9 @@ static vv_status check_grid(const vv_grid *grid)
     }
     if (!finite3(m->origin))
         return vv_fail(VV_E_FORMAT, "the origin is not finite");
+    const vv_status st = check_lengths(grid);
+    if (st != VV_OK)
+        return st;
     /* Relative to the axes' lengths, so that a grid in metres is judged as the same grid in micrometres. */
     if (!(fabs(vv_affine_determinant(*m)) > 1e-10 * volume) || !isfinite(volume))
         return vv_fail(VV_E_FORMAT, "the three axis directions do not span space (determinant %g)",
@@ -83,7 +91,7 @@ static vv_status check_grid(const vv_grid *grid)
         return vv_fail(VV_E_FORMAT, "the space %d is unknown", (int)grid->space);
     if (!memchr(grid->unit, 0, sizeof grid->unit))
         return vv_fail(VV_E_FORMAT, "the unit of length has no end");
-    return check_lengths(grid);
+    return VV_OK;
 }
 
 static vv_status check_meaning(const vv_field_info *info)

@@ -99,6 +99,31 @@ static bool has_suffix(const char *const *suffixes, const char *path, size_t n)
     return false;
 }
 
+/* Whether n bytes, the beginning of a text, have a word, in whatever case. */
+static bool has_word(const char *text, size_t n, const char *word)
+{
+    const size_t m = strlen(word);
+    for (size_t i = 0; i + m <= n; i++)
+        if (strncasecmp(text + i, word, m) == 0)
+            return true;
+    return false;
+}
+
+/* Of two formats whose headers say so within their beginning: the samples are in the file itself, as in most of theirs.
+ * What a header hides from this (a word of it that stands elsewhere) leaves the file more, never less. */
+static bool names_no_file(const char *head, size_t n)
+{
+    const char *end = memmem(head, n, "\n\n", 2);
+    if (!end)
+        end = memmem(head, n, "\r\n\r\n", 4);
+    if (n > 4 && memcmp(head, "NRRD", 4) == 0)
+        return end && !has_word(head, (size_t)(end - head), "data file") &&
+               !has_word(head, (size_t)(end - head), "datafile");
+    const char *data = memmem(head, n, "\nElementDataFile = LOCAL", 24);
+    return has_word(head, n < 64 ? n : 64, "ObjectType") && data &&
+           memchr(data + 24, '\n', n - (size_t)(data + 24 - head));
+}
+
 /* Whether a format that may mean the file looks for others beside it. */
 static bool looks_beside(int fd, const char *path, const char *format, const vv_registry *registry)
 {
@@ -106,6 +131,8 @@ static bool looks_beside(int fd, const char *path, const char *format, const vv_
     size_t n_path;
     const ssize_t n = pread(fd, head, sizeof head, 0);
     vvi_path_coding(path, &n_path);
+    if (n > 0 && names_no_file((const char *)head, (size_t)n))
+        return false;
     for (size_t i = 0; registry->formats[i]; i++) {
         const vv_format *f = registry->formats[i];
         if (f->beside && ((format && strcmp(f->name, format) == 0) || has_suffix(f->suffixes, path, n_path) ||

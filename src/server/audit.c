@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -25,6 +26,14 @@ static int open_lines(const char *path)
     if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0)
         return fcntl(strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
     return open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0600);
+}
+
+/* One that was there may be read by a group, as somebody wanted it, but not by everybody. */
+static void keep_from_others(int fd)
+{
+    struct stat info;
+    if (fd >= 0 && fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_uid == geteuid() && (info.st_mode & 07))
+        fchmod(fd, info.st_mode & 0770);
 }
 
 static const char *reason_of(int error)
@@ -46,6 +55,7 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
         return vv_fail_memory(strlen(path));
     }
     audit->file.fd = open_lines(path);
+    keep_from_others(audit->file.fd);
     if (audit->file.fd >= 0) {
         *out = audit;
         return VV_OK;

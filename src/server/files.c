@@ -129,11 +129,28 @@ vv_status vvi_files_resolve_part(char **out, char **part_out, const vvi_session 
     return st == VV_E_NOT_FOUND ? fail_missing(name) : st;
 }
 
+/* Of a file of the session: why the system does not find it, and what helps. */
+static char *explain_gone(char *text)
+{
+    static const char end[] = ": No such file or directory";
+    const size_t n = text ? strlen(text) : 0, m = sizeof end - 1;
+    if (n < m || strcmp(text + n - m, end) != 0)
+        return text;
+    char *more =
+        vvi_asprintf("%.*s: is no longer there, as the files of this session were removed; upload it, or run the "
+                     "operation that made it, again",
+                     (int)(n - m), text);
+    free(text);
+    return more;
+}
+
 char *vvi_files_sentence(const vvi_session *session, const char *sentence)
 {
     char *text = vvi_strdup(sentence);
     const size_t n = session->uploads ? strlen(session->uploads) : 0;
+    bool own = false;
     for (char *at = text; at && n && (at = strstr(at, session->uploads)) != NULL;) {
+        own = true;
         size_t skipped = at[n] == '/' ? n + 1 : 0;
         const size_t folder = strcspn(at + skipped, "/ :'");
         if (skipped && at[skipped + folder] == '/') /* the file's own, of which nobody has heard either */
@@ -141,7 +158,7 @@ char *vvi_files_sentence(const vvi_session *session, const char *sentence)
         memmove(at, at + skipped, strlen(at + skipped) + 1);
         at += skipped ? 0 : n;
     }
-    return text;
+    return own ? explain_gone(text) : text;
 }
 
 bool vvi_files_is_scene(const char *path)

@@ -1,8 +1,11 @@
 #include "server/gate.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/random.h>
 
 enum { FAILURES = 5, LEAST_TOKEN = 16, LEAST_KINDS = 8, LEAST_BITS = 128 };
@@ -48,14 +51,31 @@ static size_t period(const char *token, size_t n)
     return p <= n / 2 ? p : n;
 }
 
-/* Characters, of which three and more in a row or alike ("abc", "987", "aaa") count as one. */
+/* Whether b is a itself, or next to it in the alphabet, among the digits, or on the keyboard. */
+static bool are_near(char a, char b)
+{
+    static const char keys[] = "1234567890 qwertyuiop asdfghjkl zxcvbnm";
+    const char *x = strchr(keys, tolower((unsigned char)a)), *y = strchr(keys, tolower((unsigned char)b));
+    return abs(a - b) <= 1 || (x && y && x - y >= -1 && x - y <= 1);
+}
+
+/* Whether the three characters that end at i have been there before, in whatever case. */
+static bool is_repeated(const char *token, size_t i)
+{
+    for (size_t j = 2; j < i; j++)
+        if (strncasecmp(token + j - 2, token + i - 2, 3) == 0)
+            return true;
+    return false;
+}
+
+/* Characters, of which three and more that are near each other ("abc", "998877", "aaa", "qwert") count as one, and
+ * those that repeat what was there ("change" in "changemechange") as none. */
 static size_t loose_characters(const char *token, size_t n)
 {
     size_t loose = n;
     for (size_t i = 2, run = 0; i < n; i++) {
-        const int step = token[i] - token[i - 1];
-        const bool goes_on = step >= -1 && step <= 1 && step == token[i - 1] - token[i - 2];
-        loose -= goes_on ? run ? 1 : 2 : 0;
+        const bool goes_on = are_near(token[i], token[i - 1]) && are_near(token[i - 1], token[i - 2]);
+        loose -= goes_on ? run ? 1 : 2 : is_repeated(token, i);
         run = goes_on ? run + 1 : 0;
     }
     return loose;
@@ -86,7 +106,7 @@ vv_status vvi_token_check(const char *token)
         return vv_fail(
             VV_E_ARGUMENT,
             "this token can be guessed: it has fewer than %d different characters, repeats a short piece, or "
-            "consists of sequences such as 'abc'; leave it out and one is made",
+            "consists of sequences such as 'abc' or 'qwerty'; leave it out and one is made",
             LEAST_KINDS);
     const double bits = (double)p * bits_each(token);
     if (bits < LEAST_BITS)

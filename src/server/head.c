@@ -3,7 +3,15 @@
 
 #include <string.h>
 
-enum { OK = 200, BAD = 400, NO_LENGTH = 411, TOO_LARGE = 431, NO_VERSION = 505, LENGTH_DIGITS = 15 };
+enum {
+    OK = 200,
+    BAD = 400,
+    NO_LENGTH = 411,
+    NO_EXPECTATION = 417,
+    TOO_LARGE = 431,
+    NO_VERSION = 505,
+    LENGTH_DIGITS = 15
+};
 
 typedef struct reader {
     vvi_head *head;
@@ -155,7 +163,8 @@ static char **place_of(vvi_head *h, const char *name, size_t n)
                 {"sec-websocket-version", &h->socket_version},
                 {"sec-websocket-protocol", &h->socket_protocols},
                 {"content-length", &h->length_text},
-                {"transfer-encoding", &h->coding}};
+                {"transfer-encoding", &h->coding},
+                {"expect", &h->expect}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         if (equal(name, n, rows[i].name))
             return rows[i].place;
@@ -182,6 +191,15 @@ static int read_header(reader *r, char *line)
     if (place)
         *place = value;
     return OK;
+}
+
+static int read_expectation(reader *r)
+{
+    vvi_head *h = r->head;
+    if (!h->expect)
+        return OK;
+    h->waits = equal(h->expect, strlen(h->expect), "100-continue");
+    return h->waits ? OK : refuse(r, NO_EXPECTATION, "This server does not do what this request expects.\n");
 }
 
 static int read_length(reader *r)
@@ -248,6 +266,8 @@ int vvi_head_read(vvi_head *out, const char **why, size_t *used, char *bytes, si
     *used = end ? (size_t)(end - bytes) : 0;
     if (status == OK)
         status = read_length(&r);
+    if (status == OK)
+        status = read_expectation(&r);
     *why = r.why;
     return status;
 }

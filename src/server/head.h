@@ -27,7 +27,8 @@ typedef struct vvi_head {
     bool has_query;
     char *host, *origin, *fetch_site, *fetch_mode, *fetch_dest, *authorization, *cookie;
     char *connection, *upgrade, *socket_key, *socket_version, *socket_protocols;
-    char *length_text, *coding;
+    char *length_text, *coding, *expect;
+    bool waits; /**< for a word that the body may come (Expect: 100-continue) */
     bool has_length;
     uint64_t length; /**< Content-Length */
 } vvi_head;

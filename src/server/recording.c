@@ -415,7 +415,7 @@ static void wake_nobody(void *user)
     (void)user;
 }
 
-/* Ends the session. Of what it made, that stays which the World shows. */
+/* Ends the session. Of what it made, that stays which the World (NULL: nobody wants any) shows. */
 static void end(player *p, const vv_world *world)
 {
     char *folder = p->files ? vvi_strdup(vvi_session_uploads(p->session)) : NULL;
@@ -431,7 +431,7 @@ static void end(player *p, const vv_world *world)
 }
 
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
-                             const char *files_root, vv_job *job)
+                             const char *files_root, bool keeps, vv_job *job)
 {
     vvi_session_options o = *options;
     player p = {.job = job, .path = path, .files_root = files_root};
@@ -450,6 +450,6 @@ vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session
         vvi_session_tick(p.session, p.t + AFTER);
         *out = vvi_session_world(p.session);
     }
-    end(&p, *out);
+    end(&p, keeps ? *out : NULL);
     return st;
 }

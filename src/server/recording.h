@@ -42,7 +42,8 @@ void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, co
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, json_t *message);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
- * files_root: in a new folder below it results are written again; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
+ * files_root: in a new folder below it results are written again; NULL: nowhere. keeps: those that the World shows stay
+ * there, else none. Errors: VV_E_FORMAT with the line. */
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
-                             const char *files_root, vv_job *job);
+                             const char *files_root, bool keeps, vv_job *job);
 #endif

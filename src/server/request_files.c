@@ -222,18 +222,42 @@ static void done_save(vvi_task *task, vv_status st)
         vvi_client_refuse_for(client, r->id, "exists");
 }
 
+/* What the server writes goes when it ends. */
+static vv_status check_place(const vvi_session *s, const char *path)
+{
+    const size_t n = s->uploads ? strlen(s->uploads) : 0;
+    if (!n || strncmp(path, s->uploads, n) != 0 || path[n] != '/')
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT,
+                   "a scene cannot be saved among the uploads and results of this session, since they are "
+                   "deleted when the server ends; choose another folder");
+}
+
+/* ".vv.json" behind nothing would be a name, and a hidden one. */
+static vv_status check_name(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (*name && strcmp(name, ".") != 0 && strcmp(name, "..") != 0)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "'%.200s' is a folder; expected the name of a file, as in scene.vv.json", path);
+}
+
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message)
 {
     const char *path = json_string_value(json_object_get(message, "path"));
     vvi_request *r;
     if (!path || !*path)
         return vv_fail(VV_E_ARGUMENT, "'save' needs a path");
-    vv_status st = vvi_session_fix_views(client->session);
+    vv_status st = check_name(path);
+    if (st == VV_OK)
+        st = vvi_session_fix_views(client->session);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;
     char *full = vvi_files_is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
     st = full ? vvi_files_resolve(&r->path, client->session, full, true) : vv_fail_memory(strlen(path));
     free(full);
+    if (st == VV_OK)
+        st = check_place(client->session, r->path);
     if (st != VV_OK) {
         r->task.drop(&r->task);
         return st;

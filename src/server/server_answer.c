@@ -39,6 +39,7 @@ static const char *reason_of(int status)
                 {405, "Method Not Allowed"},
                 {411, "Length Required"},
                 {413, "Content Too Large"},
+                {417, "Expectation Failed"},
                 {426, "Upgrade Required"},
                 {429, "Too Many Requests"},
                 {431, "Request Header Fields Too Large"},
@@ -130,6 +131,12 @@ int vvi_answer_bytes(vvi_peer *peer, int status, const char *type, const void *b
     peer->http->n = n;
     peer->http->at = 0;
     return begin(peer, status, type, NULL, NULL);
+}
+
+bool vvi_answer_go_on(vvi_peer *peer)
+{
+    static const char line[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    return vvi_peer_put(peer, line, strlen(line), NULL, 0);
 }
 
 int vvi_answer_later(vvi_peer *peer)

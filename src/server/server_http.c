@@ -144,8 +144,12 @@ static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
     peer->state = VVI_PEER_BODY;
     peer->http->length = head->length;
     vvi_peer_expects(peer, BODY_SECONDS);
+    if (puts && vvi_upload_begin(peer, head->path + strlen("/files/")) != 0)
+        return -1;
+    if (head->waits && head->length > 0 && peer->state == VVI_PEER_BODY && !vvi_answer_go_on(peer))
+        return -1;
     if (puts)
-        return vvi_upload_begin(peer, head->path + strlen("/files/"));
+        return 0;
     return head->length == 0 ? exchange(peer) : 0;
 }
 

@@ -140,6 +140,8 @@ int vvi_answer_text(vvi_peer *peer, int status, const char *type, char *text);
 int vvi_answer_refusal(vvi_peer *peer, int status, const char *sentence);
 /** Another time: the server has as many connections as it can have. */
 int vvi_answer_later(vvi_peer *peer);
+/** The body of a request that waits for it may come; false: no memory. */
+bool vvi_answer_go_on(vvi_peer *peer);
 /** Nothing, with another header. */
 int vvi_answer_empty(vvi_peer *peer, int status, const char *name, const char *value);
 /** The next piece of the answer into peer->out; *done: there is none. */

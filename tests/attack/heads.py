@@ -70,6 +70,8 @@ def lengths(server):
                 server, f"{first} HTTP/1.1", f"Content-Length: {one}", f"content-length: {two}", cookie=cookie) + b"{}", BAD)
     yield Attack("a body of 5000 bytes for a token", head(server, "POST /session HTTP/1.1", "Content-Length: 5000") + b"x" * 5000, (413,))
     yield Attack("no length", head(server, "POST /session HTTP/1.1") + b"{}", (411,))
+    for word in ("101-continue", "100-continue, x", "", "x" * 300):
+        yield Attack(f"Expect {short(word)}", head(server, "PUT /files/expect HTTP/1.1", "Content-Length: 9", f"Expect: {word}", cookie=cookie), (417,))
     yield Attack("an upload without length", head(server, "PUT /files/x HTTP/1.1", cookie=cookie), (411,))
     yield Attack("something with GET", head(server, "GET / HTTP/1.1", "Content-Length: 2") + b"{}", BAD)
 

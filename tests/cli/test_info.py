@@ -419,7 +419,7 @@ def test_more_bytes_than_a_layout_needs_are_told_of_packed_files_too():
 
 
 def test_spacings_that_no_picture_can_have_are_told_by_info_as_by_render():
-    for spacings, is_fine in (("1e30 1 1", False), ("1 1e-300 1", False), ("1 1 1e-30", False), ("1 1 1000", True)):
+    for spacings, is_fine in (("1e30 1 1", False), ("1 1e-90 1", False), ("1 1 1e-30", False), ("1 1 1000", True)):
         with open("far.nrrd", "wb") as file:
             file.write(f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: {spacings}\nencoding: raw\n\n".encode())
             file.write(bytes(range(8)))
@@ -429,6 +429,18 @@ def test_spacings_that_no_picture_can_have_are_told_by_info_as_by_render():
         if not is_fine:
             says(told.message, "times as large along one axis as along another")
             says(picture.message, "times as large along one axis as along another")
+
+
+def test_spacings_whose_squares_and_volumes_are_no_numbers_are_refused_with_the_spacing():
+    for spacings, sentence in (("1e-320 1 1", "along x is 9.99989e-321"), ("1 1e-300 1", "along y is 1e-300"),
+                               ("1e308 1 1", "1e+308"), ("1e120 1e120 1e120", "1e+120"), ("1e-101 1e-101 1e-101", "along x is 1e-101")):
+        with open("far.nrrd", "wb") as file:
+            file.write(f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: {spacings}\nencoding: raw\n\n".encode())
+            file.write(bytes(range(8)))
+        for words in (("info", "far.nrrd"), ("render", "far.nrrd", "-o", "far.png")):
+            said = fails(3, *words)
+            says(said, sentence, "damaged")
+            assert "determinant" not in said and "scale" not in said and "inf times" not in said, said
 
 
 def test_text_goes_into_no_picture_file():

@@ -218,6 +218,10 @@ def test_a_token_that_others_may_read_or_guess_is_refused():
     for mode in (0o644, 0o640, 0o604, 0o620):
         os.chmod("open", mode)
         says(fails(2, "serve", "ball.nrrd", "--token-file", "open"), "others may read it", "chmod 600")
+    if os.geteuid() == 0:
+        os.chmod("open", 0o600)
+        os.chown("open", 1234, 1234)
+        says(fails(2, "serve", "ball.nrrd", "--token-file", "open"), "belongs to another user (number 1234)", "chown 0 open")
     for token in ("aaaaaaaaaaaaaaaa", "1234567890" * 3, "abababababababab", "password" * 4, "0123456789abcdef"):
         says(fails(2, "serve", "ball.nrrd", "--token", token), "can be guessed")
     says(fails(2, "serve", "ball.nrrd", "--token", "b7f09c2ae5d1836f"), "16 characters of its kind have 64 bits", "128 or more")

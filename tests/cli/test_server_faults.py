@@ -322,6 +322,20 @@ def test_a_session_whose_folder_is_removed_is_kept_in_a_new_one_and_all_are_told
     assert_kept_on_full_disk(work, "last")
 
 
+def test_files_of_a_session_that_were_removed_are_told_with_what_helps():
+    write_ball(n=16)
+    with Server("head.nrrd") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                await page.resting()
+                made = await page.ask("run", operation="gaussian", dataset="head", parameters={"sigma": "1vox"})
+                shutil.rmtree("state")
+                await page.edit(("set", "title", "after"))
+                said = await page.refused("run", operation="gaussian", dataset=made["dataset"], parameters={"sigma": "1vox"})
+                assert said.endswith("run the operation that made it, again") and "state" not in said, said
+        run(work())
+
+
 def test_a_session_whose_folder_cannot_be_made_anew_refuses_changes():
     write_ball(n=16)
 

@@ -245,6 +245,36 @@ def test_results_uploads_samples_and_pictures_leave_each_other_alone():
     ok("render", "sample.vv.json", "-o", "sample.png")
 
 
+def test_no_scene_is_saved_where_the_server_deletes_and_none_without_a_name():
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                await page.resting()
+                upload = put(server, "u.nrrd", b"x")
+                for folder in (os.path.dirname(upload), os.path.dirname(os.path.dirname(upload))):
+                    said = await page.refused("save", path=os.path.join(folder, "mine.vv.json"))
+                    assert "deleted when the server ends" in said, said
+                for name in (".", "..", "sub/", "y.vv.json/", os.path.abspath(".") + "/."):
+                    said = await page.refused("save", path=name)
+                    assert "expected the name of a file" in said, (name, said)
+        run(work())
+    assert not [name for name in files() if name.endswith(".vv.json")], files()
+
+
+def test_a_body_that_waits_for_a_word_gets_it():
+    with attacked() as server:
+        with connect(server) as sock:
+            sock.sendall(head(server, "PUT /files/waits.raw HTTP/1.1", "Content-Length: 3", "Expect: 100-continue",
+                              cookie=server.cookie()))
+            sock.settimeout(60)
+            assert sock.recv(1000) == b"HTTP/1.1 100 Continue\r\n\r\n"
+            sock.sendall(b"abc")
+            assert sock.recv(1000).startswith(b"HTTP/1.1 201 ")
+        with connect(server) as sock:  # who may not is told that, not to go on
+            sock.sendall(head(server, "PUT /files/waits.raw HTTP/1.1", "Content-Length: 3", "Expect: 100-continue"))
+            assert sock.recv(1000).startswith(b"HTTP/1.1 403 ")
+
+
 def header(name):
     return (f"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = {name}\n").encode()
 

@@ -57,13 +57,17 @@ static void a_token_has_128_bits_by_its_length_and_its_kinds_of_characters(void 
 {
     (void)state;
     static const char *const bad[] = {
-        "0123456789abcdef",                                 /* a sequence */
-        "b7f09c2ae5d1836f",                                 /* 16 hex digits: 64 bits */
-        "b7f09c2ae5d1836fb7f09c2ae5d1836f",                 /* and again */
-        "74920174920583619274018365027491836501",           /* 38 decimal digits: 126.2 bits */
-        "Zx8qLm2Pw9RtYk4Vb7Nc",                             /* 20 of 62 letters and digits: 119 bits */
-        "abcdefghijklmnopqrstuvwxyz0123456789",             /* two sequences */
-        "zyxwvutsrqponmlkjihgfedcba9876543210",             /* backwards */
+        "0123456789abcdef",                       /* a sequence */
+        "b7f09c2ae5d1836f",                       /* 16 hex digits: 64 bits */
+        "b7f09c2ae5d1836fb7f09c2ae5d1836f",       /* and again */
+        "74920174920583619274018365027491836501", /* 38 decimal digits: 126.2 bits */
+        "Zx8qLm2Pw9RtYk4Vb7Nc",                   /* 20 of 62 letters and digits: 119 bits */
+        "abcdefghijklmnopqrstuvwxyz0123456789",   /* two sequences */
+        "zyxwvutsrqponmlkjihgfedcba9876543210",   /* backwards */
+        "changemechangemechangeme12",             /* a word again and again, and an end */
+        "ChangeMechangemeCHANGEME!2",
+        "qwertyuiopasdfghjklzxcvbnmqwerty",                 /* rows of the keyboard */
+        "00112233445566778899aabbccddeeff",                 /* pairs in order */
         "aaaaaabbbbbbccccccddddddeeeeeeffffffgggggghhhhhh", /* repeated letters */
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
