@@ -227,6 +227,16 @@ def test_a_token_that_others_may_read_or_guess_is_refused():
     says(fails(2, "serve", "ball.nrrd", "--token", "b7f09c2ae5d1836f"), "16 characters of its kind have 64 bits", "128 or more")
 
 
+def test_an_audit_file_that_was_there_is_closed_to_others():
+    write_ball("ball.nrrd", 8)
+    for before, after in ((0o644, 0o640), (0o666, 0o660), (0o600, 0o600)):
+        with open("there.jsonl", "w", encoding="ascii"):
+            pass
+        os.chmod("there.jsonl", before)
+        with Server("ball.nrrd", "--audit", "there.jsonl"):
+            assert stat.S_IMODE(os.stat("there.jsonl").st_mode) == after
+
+
 def test_what_is_written_down_goes_into_no_file_that_was_there_and_through_no_link():
     write_ball("ball.nrrd", 8)
     with open("mine", "w", encoding="ascii") as file:

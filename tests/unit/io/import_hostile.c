@@ -174,6 +174,20 @@ static vv_status do_look(vv_job *job)
     return VV_OK;
 }
 
+static char beside[4096]; /* a file next to the one that is read */
+
+static vv_status do_beside(vv_job *job)
+{
+    (void)job;
+    return open(beside, O_RDONLY) >= 0 ? VV_OK : vv_fail(VV_E_FORMAT, "%s was not opened", beside);
+}
+
+static vv_status do_alone(vv_job *job)
+{
+    (void)job;
+    return open(beside, O_RDONLY) < 0 ? VV_OK : vv_fail(VV_E_FORMAT, "%s was opened", beside);
+}
+
 static vv_status do_exit(vv_job *job)
 {
     (void)job;
@@ -228,7 +242,7 @@ static vv_status perform(const char *what, vv_job *job)
         {"socket", do_socket},     {"kill", do_kill},         {"create", do_create},     {"write", do_write},
         {"truncate", do_truncate}, {"unlink", do_unlink},     {"link", do_link},         {"code", do_code},
         {"fill", do_fill},         {"exit", do_exit},         {"progress", do_progress}, {"nothing", do_nothing},
-        {"thread", do_thread},     {"look", do_look},
+        {"thread", do_thread},     {"look", do_look},         {"beside", do_beside},     {"alone", do_alone},
     };
     for (size_t i = 0; i < sizeof deeds / sizeof deeds[0]; i++) {
         if (strcmp(deeds[i].name, what) == 0)
@@ -243,17 +257,26 @@ static int probe(const uint8_t *head, size_t n, const char *path)
     return n >= 8 && memcmp(head, "HOSTILE ", 8) == 0 ? 2 : 0;
 }
 
+/* The same in the header of a format that may name files. */
+static int probe_nrrd(const uint8_t *head, size_t n, const char *path)
+{
+    (void)path;
+    return n >= 8 && memcmp(head, "NRRD0004", 8) == 0 ? 2 : 0;
+}
+
 static vv_status read_header(vv_field_info *info_out, void **plan_out, vv_source *source,
                              const vv_read_options *options, vv_notes *notes, vv_job *job)
 {
-    char text[64], when[16], number[16];
+    char text[128], when[16], number[16];
     size_t n;
     (void)options;
     vv_status st = vvi_source_read_some(source, text, sizeof text - 1, &n);
     text[st == VV_OK ? n : 0] = 0;
     deed *d = calloc(1, sizeof *d);
     *plan_out = d;
-    if (!d || sscanf(text, "HOSTILE %15s %15s", when, d->what) != 2)
+    const char *name = vvi_source_name(source), *slash = strrchr(name, '/'), *words = strstr(text, "HOSTILE ");
+    snprintf(beside, sizeof beside, "%.*s/plain.txt", slash ? (int)(slash - name) : 1, slash ? name : ".");
+    if (!d || !words || sscanf(words, "HOSTILE %15s %15s", when, d->what) != 2)
         return vv_fail(VV_E_FORMAT, "no deed");
     snprintf(number, sizeof number, "%d", (int)getpid());
     vvi_notes_add(notes, "pid", number);
@@ -288,9 +311,20 @@ static const vv_format hostile = {
     .read = read_samples,
 };
 
+static const vv_format hostile_nrrd = {
+    .api = VV_FORMAT_API,
+    .name = "nrrd",
+    .doc = "the same, and it may name files",
+    .beside = true,
+    .probe = probe_nrrd,
+    .read_header = read_header,
+    .free_plan = free,
+    .read = read_samples,
+};
+
 int main(void)
 {
-    static const vv_format *const formats[] = {&hostile, NULL};
+    static const vv_format *const formats[] = {&hostile, &hostile_nrrd, NULL};
     vv_registry registry = *vv_registry_builtin();
     registry.formats = formats;
     /* sanitizers report such signals and exit; here the process has to die of them */

@@ -326,6 +326,34 @@ static void what_a_hostile_file_does_stays_in_its_process(void **state)
     nothing_is_left(descriptors);
 }
 
+/* With the header of a format that may name files beside its own. */
+static void a_header_that_names_no_file_gets_none(void **state)
+{
+    static const struct {
+        const char *head, *what;
+    } cases[] = {
+        {"encoding: raw\n# HOSTILE open alone\n\n", "alone"},
+        {"encoding: raw\n# HOSTILE open alone\n\ndata file: plain.txt\n", "alone"}, /* of the samples */
+        {"data file: plain.txt\n# HOSTILE open beside\n\n", "beside"},
+        {"DataFile: plain.txt\n# HOSTILE open beside\n\n", "beside"},
+        {"# HOSTILE open beside\n", "beside"}, /* it goes on */
+    };
+#ifndef HOSTILE
+    skip(); /* sanitizers lock nothing */
+#endif
+    if (!has_landlock())
+        skip();
+    io_put_text(io_path(state, "plain.txt"), "x");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[128];
+        const deed fine = {cases[i].what, "", VV_OK, 0};
+        vv_job *job = safe_job(IMPORT_HOSTILE, 1, NULL);
+        snprintf(text, sizeof text, "NRRD0004\n%s", cases[i].head);
+        tried(state, "hostile", "h.nrrd", text, &fine, job);
+        vv_job_release(job);
+    }
+}
+
 static void what_an_import_program_says_is_checked(void **state)
 {
     static const char *const lies[] = {
@@ -549,6 +577,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_format_that_is_written_reads_the_same, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(time_steps_coded_files_and_what_is_damaged, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(what_a_hostile_file_does_stays_in_its_process, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(a_header_that_names_no_file_gets_none, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(what_an_import_program_says_is_checked, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(samples_do_not_change_after_they_were_handed_over, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(progress_comes_through_and_cancel_goes_through, io_setup, io_teardown),
