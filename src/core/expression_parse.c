@@ -149,11 +149,19 @@ static double constant_of(const parser *p, int row)
     return p->out->constants[row - VVI_EXPRESSION_FIRST_CONSTANT];
 }
 
+static bool same_bits(double a, double b)
+{
+    uint64_t x, y;
+    memcpy(&x, &a, sizeof x);
+    memcpy(&y, &b, sizeof y);
+    return x == y; /* 0 and -0 are two, and NaN is itself */
+}
+
 static vv_status add_constant(int *row_out, parser *p, double value)
 {
     vvi_expression *e = p->out;
     int c = 0;
-    while (c < e->n_constants && memcmp(&e->constants[c], &value, sizeof value) != 0)
+    while (c < e->n_constants && !same_bits(e->constants[c], value))
         c++;
     if (c == VVI_EXPRESSION_CONSTANTS)
         return fail_text(p, p->at, "there are more than 256 different numbers");

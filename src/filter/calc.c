@@ -267,7 +267,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
                          const vv_box *box, vv_job *job)
 {
     static const vvi_work work = {.stage = "calc", .start = start, .item = item, .finish = finish};
-    vv_field_info info, infos[INPUTS_MOST];
+    vv_field_info info, infos[INPUTS_MOST] = {0};
     vvi_expression *expression;
     *out = NULL;
     for (size_t i = 0; i < n_inputs; i++)

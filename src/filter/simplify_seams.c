@@ -11,7 +11,7 @@ static void find_rings(uint8_t *ring, const vv_mesh_info *m, const uint32_t *ver
 {
     for (size_t v = 0; v < m->n_vertices; v++)
         ring[v] = seam[vvi_chosen_original(c, vertex[v])];
-    for (uint8_t r = 1; r <= LOOSE; r++)
+    for (int r = 1; r <= LOOSE; r++)
         for (size_t t = 0; t < m->n_triangles; t++) {
             const uint32_t *k = m->triangles + 3 * t;
             const bool near = ring[k[0]] == r || ring[k[1]] == r || ring[k[2]] == r;

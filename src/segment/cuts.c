@@ -202,6 +202,8 @@ static double li_step(const vvi_histogram *h, double least, double at)
 double vvi_li(const vvi_histogram *h)
 {
     enum { MOST = 1000 };
+    if (h->n == 0)
+        return 0;
     const double least = h->value[0];
     double total = 0, sum = 0;
     for (size_t i = 0; i < h->n; i++) {

@@ -162,6 +162,7 @@ static vv_status lines_item(void *scratch_in, void *user, size_t index)
     return vvi_job_poll(s->job);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the items write there */
 vv_status vvi_distances(float *out, const int64_t n[3], const double spacing[3], vvi_set_row *set, void *user,
                         vv_job *job)
 {

@@ -5,6 +5,7 @@
 #include "grid/true_values.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define PART 1024 /* samples that are compared at a time */
@@ -22,8 +23,8 @@ vv_status vvi_value_range_parse(vvi_value_range *out, const char *text, const ch
     *out = (vvi_value_range){-INFINITY, INFINITY};
     if (!*text || strlen(text) >= sizeof lo || (dots && dots == text && !*rest))
         return fail_text(place, text);
-    memcpy(lo, text, dots ? (size_t)(dots - text) : strlen(text));
-    memcpy(hi, rest, strlen(rest));
+    snprintf(lo, sizeof lo, "%.*s", (int)(dots ? (size_t)(dots - text) : strlen(text)), text);
+    snprintf(hi, sizeof hi, "%s", rest);
     if ((*lo && !vvi_parse_number(&out->lo, lo)) || (*hi && !vvi_parse_number(&out->hi, hi)) || isnan(out->lo) ||
         isnan(out->hi))
         return fail_text(place, text);

@@ -3,6 +3,7 @@
 #include "core/vec.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 vv_status vvi_voxels_parse(double *out, const char *text, const vv_grid *grid, const char *place)
@@ -26,7 +27,8 @@ vv_status vvi_voxels_parse(double *out, const char *text, const vv_grid *grid, c
     letters -= cubed && letters > 1 && unit[letters - 1] == '^' ? 1 : 0;
     if (!is_number || !cubed || letters > 16)
         return vv_fail(VV_E_ARGUMENT, "%s: '%s' is not a size; write 100 (voxels) or 2.5mm3", place, text);
-    memcpy(length + 1, unit, letters); /* the unit's length, of which the volume is the cube */
+    /* the unit's length, of which the volume is the cube */
+    snprintf(length + 1, sizeof length - 1, "%.*s", (int)letters, unit);
     const vv_status st = vvi_parse_quantity(&one, length, VV_Q_LENGTH, &context, place);
     *out = n * one * one * one / fabs(vvi_dot(m->axis[0], vvi_cross(m->axis[1], m->axis[2])));
     return st;
