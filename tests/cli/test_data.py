@@ -365,6 +365,7 @@ def test_packed_data_that_are_cut_short_give_what_is_there_whole_or_in_slabs():
             said = fails(3, "convert", name, *memory, "-o", "less.nrrd")
             assert "less than half" in said or "the file is cut short" in said, said
             assert not os.path.exists("less.nrrd")
+        assert volvis("info", name).code == volvis("info", name, "--stats").code == 3, name
         with open(name, "wb") as file:
             file.write(header + packed[:-2])
         result = volvis("convert", name, "-o", "out.nrrd", "--overwrite")
