@@ -17,7 +17,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N",
-     .automatic = "by quality: 1, 4, 4 or 16; for triangles 1, 4, 8 or 16; for slices 1, 1, 4 or 16",
+     .automatic = "by quality: 1, 4, 4 or 16; for triangles 1, 4, 8 or 16; for slices, and with --aov, 1, 1, 4 or 16",
      .doc = "rays per pixel; with --noise or --budget the maximum"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE",
      .automatic = "not estimated: all pixels get the same",
@@ -59,8 +59,10 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, background), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "black",
      .doc = "#rrggbb, a name of CSS such as darkorange, or transparent"},
     {VV_PROP(cli_look, aov), .kind = VV_KIND_STRING, .unit = "LAYERS", .table = "layers", .automatic = "none",
-     .doc = "layers to store in addition to colours, as in depth,normal,id: in the file if it is an EXR, else in PFM "
-            "files next to it; also samples and value"},
+     .doc =
+         "layers to store in addition to colours, as in depth,normal,id: in the file if it is an EXR, else in PFM "
+         "files next to it; also samples and value. With layers other than depth a pixel has 1 ray at quality normal, "
+         "so that they tell of one place; --spp sets it"},
     {VV_PROP(cli_look, decorate), .kind = VV_KIND_STRING, .unit = "WHAT", .table = "decorations",
      .automatic = "nothing",
      .doc = "what to draw on top of the picture, as in cube,scale-bar,legend: any of cube, axes, scale-bar, box, "

@@ -152,7 +152,7 @@ static void note_unknown(cli_measuring *m, const vv_measured *found, uint64_t n)
                      n, which, found->unknown);
 }
 
-static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_unknown)
+static void put_remarks(cli_measuring *m, const vv_measured *found, bool area, uint64_t n_unknown)
 {
     if (isnan(found->centroid.x))
         cli_measuring_note_empty(m);
@@ -161,7 +161,7 @@ static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_u
                          "nothing lies between inside and outside: Marching Cubes makes such areas 8 %% too large at "
                          "any resolution, up to 25 %% where voxels are not cubes; --method count does not");
     note_unknown(m, found, n_unknown);
-    if (found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
+    if (area && found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
         cli_command_note(
             m->command,
             "the object reaches the border of the volume; the faces where it is cut off are not part of its area%s",
@@ -171,7 +171,7 @@ static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_u
 vv_status cli_measure_object(cli_measuring *m, const char *what)
 {
     vv_measured found = {.size = sizeof found};
-    const bool all = strcmp(what, "summary") == 0;
+    const bool all = strcmp(what, "summary") == 0, area = all || strcmp(what, "area") == 0;
     uint64_t n_unknown = 0;
     vv_status st = cli_measuring_choose(m);
     if (st != VV_OK || (st = vv_measure(&found, m->field, &m->choice, m->command->job)) != VV_OK)
@@ -183,7 +183,7 @@ vv_status cli_measure_object(cli_measuring *m, const char *what)
     put_header(m);
     if (m->choice.method == VV_MEASURE_CUBES && m->choice.closed)
         found.area += found.cut_area;
-    if (all || strcmp(what, "area") == 0)
+    if (area)
         put(m, "area", "area", found.area, found.area_error, 2);
     if (all || strcmp(what, "volume") == 0)
         put(m, "volume", "volume", found.volume, found.volume_error, 3);
@@ -191,6 +191,6 @@ vv_status cli_measure_object(cli_measuring *m, const char *what)
         put_details(m, &found);
     if (all || strcmp(what, "box") == 0)
         put_place(m, &found);
-    put_remarks(m, &found, n_unknown);
+    put_remarks(m, &found, area, n_unknown);
     return VV_OK;
 }

@@ -133,7 +133,10 @@ static void sum_up(cli_volume_difference *out, const comparison *c, size_t n)
     out->n_samples = (uint64_t)info->grid.dims[0] * (uint64_t)info->grid.dims[1] * (uint64_t)info->grid.dims[2] *
                      (uint64_t)info->components;
     out->rms = sqrt(squares / (double)out->n_samples);
-    out->psnr = out->rms > 0 ? 20 * log10((hi - lo) / out->rms) : INFINITY;
+    if (out->n_different == 0)
+        out->psnr = INFINITY;
+    else
+        out->psnr = hi > lo && out->rms > 0 && isfinite(out->rms) ? 20 * log10((hi - lo) / out->rms) : NAN;
 }
 
 vv_status cli_volume_compare(cli_volume_difference *out, const vv_field *a, const vv_field *b, vv_job *job)

@@ -8,7 +8,8 @@
 typedef struct cli_volume_difference {
     double max_difference; /**< of values; INFINITY where one is a number and the other none */
     double rms;
-    double psnr; /**< dB against the range of the first; INFINITY when nothing differs */
+    double psnr; /**< dB against the range of the first; INFINITY when nothing differs; NAN where it has no meaning: the
+                  * first is the same everywhere, or somewhere only one of the two is a finite number */
     uint64_t n_different, n_samples;
 } cli_volume_difference;
 

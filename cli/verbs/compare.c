@@ -51,8 +51,12 @@ static void judge(cli_command *command, const char *option, const char *what, do
     if (!vv_object_is_set(&o->base, option) || (least ? found >= limit : found <= limit))
         return;
     command->exit_code = CLI_EXIT_DIFFERS;
-    cli_command_line(command, "differs", "%s is %g, the limit is %s %g", what, found, least ? "at least" : "at most",
-                     limit);
+    if (isnan(found))
+        cli_command_line(command, "differs", "%s is not defined, the limit is %s %g", what,
+                         least ? "at least" : "at most", limit);
+    else
+        cli_command_line(command, "differs", "%s is %g, the limit is %s %g", what, found,
+                         least ? "at least" : "at most", limit);
 }
 
 static void differ(cli_command *command, const char *text)
@@ -61,11 +65,15 @@ static void differ(cli_command *command, const char *text)
     cli_command_line(command, "differs", "%s", text);
 }
 
-static void report_decibels(cli_command *command, double psnr)
+static void report_decibels(cli_command *command, double psnr, double max_difference)
 {
     vvi_result_number(&command->json, "psnr", psnr);
     if (isfinite(psnr))
         cli_command_line(command, "PSNR", "%.2f dB", psnr);
+    else if (isnan(psnr))
+        cli_command_line(command, "PSNR", "not defined: %s",
+                         isfinite(max_difference) ? "all values of A are the same, or differences have no finite square"
+                                                  : "somewhere only one of A and B is a finite number");
     else
         cli_command_line(command, "PSNR", "infinite: nothing differs");
 }
@@ -87,7 +95,7 @@ static void report_verdict(cli_command *command, bool identical)
 static void report_images(cli_command *command, const vv_image_difference *d)
 {
     vvi_result *json = &command->json;
-    report_decibels(command, d->psnr);
+    report_decibels(command, d->psnr, d->max_difference);
     vvi_result_number(json, "ssim", d->ssim);
     vvi_result_number(json, "flip_mean", d->flip_mean);
     vvi_result_number(json, "max_difference", d->max_difference);
@@ -223,7 +231,7 @@ static void report_placement(cli_command *command, const vv_field_info *a, const
 static void report_volumes(cli_command *command, const cli_volume_difference *d)
 {
     vvi_result *json = &command->json;
-    report_decibels(command, d->psnr);
+    report_decibels(command, d->psnr, d->max_difference);
     vvi_result_number(json, "max_difference", d->max_difference);
     vvi_result_number(json, "rms", d->rms);
     vvi_result_unsigned(json, "different_samples", d->n_different);
@@ -354,7 +362,9 @@ const cli_verb cli_verb_compare = {
     .about = "Without limits the differences are only reported; if a limit is exceeded, or the inputs differ in size, "
              "the exit code is 6; differs in JSON is then true, and without limits where anything differs. Volumes "
              "whose axes run along the same lines of the world in another order or direction are compared at the "
-             "same places. PSNR is null in JSON when nothing differs. For two meshes the areas, volumes and "
+             "same places. PSNR counts the range of A over the root mean square of the differences; it is null in "
+             "JSON when nothing differs (identical is then true), and where it is not defined: all values of A are the "
+             "same, or somewhere only one of A and B is a finite number. For two meshes the areas, volumes and "
              "numbers of triangles are reported, and the smallest, mean, root mean square and largest (Hausdorff) "
              "distance of their surfaces, as found by 'volvis measure distance'; parts are FILE:PART.",
     .words = "A B",

@@ -212,10 +212,8 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
     if (is_stopping(st))
         return st;
     cli_command_line(command, "range", "samples cannot be read: %s", vv_error_last()->message);
-    if (vvi_file_lacks(input->file))
+    if (vvi_file_lacks(input->file) || cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
         command->exit_code = command->exit_code > CLI_EXIT_INPUT ? command->exit_code : CLI_EXIT_INPUT;
-    else if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
-        vvi_job_mark_damaged(command->job);
     return VV_OK;
 }
 

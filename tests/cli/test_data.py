@@ -365,6 +365,7 @@ def test_packed_data_that_are_cut_short_give_what_is_there_whole_or_in_slabs():
             said = fails(3, "convert", name, *memory, "-o", "less.nrrd")
             assert "less than half" in said or "the file is cut short" in said, said
             assert not os.path.exists("less.nrrd")
+        assert volvis("info", name).code == volvis("info", name, "--stats").code == 3, name
         with open(name, "wb") as file:
             file.write(header + packed[:-2])
         result = volvis("convert", name, "-o", "out.nrrd", "--overwrite")
@@ -407,6 +408,29 @@ def test_compare_ends_with_six_where_a_limit_is_not_kept():
     ok("compare", "a.nrrd", "b.nrrd", "--psnr", "10")
     ok("crop", "a.nrrd", "-o", "c.nrrd", "--x", "0:8")
     assert volvis("compare", "a.nrrd", "c.nrrd").code == 6
+
+
+def test_compare_says_where_decibels_have_no_meaning():
+    def save(name, *values):
+        with open(name, "wb") as file:
+            head = f"NRRD0004\ntype: float\ndimension: 3\nsizes: {len(values)} 1 1\nendian: little\nencoding: raw\n\n"
+            file.write(head.encode() + struct.pack(f"<{len(values)}f", *values))
+
+    nan, inf = float("nan"), float("inf")
+    save("a.nrrd", 1, 2, 3), save("nan.nrrd", 1, 2, nan), save("inf.nrrd", 1, 2, inf)
+    save("two.nrrd", 2, 2, 2), save("three.nrrd", 3, 3, 3)
+    for a, b, why in (("a", "nan", "finite number"), ("nan", "a", "finite number"), ("inf", "a", "finite number"),
+                      ("two", "three", "all values of A are the same")):
+        answer = ok("compare", f"{a}.nrrd", f"{b}.nrrd")
+        assert "not defined" in answer.text and why in answer.text and "nothing differs" not in answer.text, answer.text
+        found = ok("compare", f"{a}.nrrd", f"{b}.nrrd", "--json").json
+        assert found["psnr"] is None and not found["identical"] and found["differs"]
+        limited = volvis("compare", f"{a}.nrrd", f"{b}.nrrd", "--psnr", "10")
+        assert limited.code == 6 and "PSNR is not defined" in limited.text, limited.text
+    for same in ("nan", "inf", "two"):
+        answer = ok("compare", f"{same}.nrrd", f"{same}.nrrd")
+        assert "infinite: nothing differs" in answer.text
+        assert ok("compare", f"{same}.nrrd", f"{same}.nrrd", "--json").json["identical"]
 
 
 def test_two_words_are_input_and_output():

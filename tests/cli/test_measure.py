@@ -538,6 +538,7 @@ def test_labels_that_end_with_their_file_are_told_how_to_be_closed():
     write("ends.nrrd", np.ones((4, 4, 4), np.uint8))
     says(ok("measure", "area", "ends.nrrd", "--label", "1").message, "reaches the border", "--closed adds them")
     assert "--closed" not in ok("measure", "area", "ends.nrrd", "--threshold", "1", "--method", "count").message
+    assert "--closed" not in ok("measure", "volume", "ends.nrrd", "--label", "1").message, "it has no effect there"
     assert ok("measure", "area", "ends.nrrd", "--label", "1", "--closed", "--json").json["raw_faces"] == 96
 
 

@@ -149,15 +149,18 @@ static vv_status fill_layout(vv_field_info *info, vvi_nifti *h, const char *name
     return VV_OK;
 }
 
-/* A slope of 0 means that stored numbers are the values. */
-static vv_status fill_scale(vv_field_info *info, const vvi_nifti *h, const char *name)
+/* A slope of 0, or one that is not finite, means that stored numbers are the values. */
+static vv_status fill_scale(vv_field_info *info, const vvi_nifti *h, const char *name, vv_notes *notes)
 {
-    if (!isfinite(h->slope) || !isfinite(h->intercept))
-        return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "its slope %g or intercept %g is not finite; set scl_slope to 1 and "
-                          "scl_inter to 0 if the samples are the values",
-                          h->slope, h->intercept);
     const bool colour = h->datatype == 128 || h->datatype == 2304;
+    if (!isfinite(h->slope))
+        return vvi_notes_warn(notes, "its slope (scl_slope) is %g: stored numbers are taken to be the values",
+                              h->slope);
+    if (!isfinite(h->intercept))
+        return vv_fail_at(VV_E_FORMAT, name, NULL,
+                          "its intercept (scl_inter) is %g; expected a finite number; set scl_slope to 1 and "
+                          "scl_inter to 0 if the samples are the values",
+                          h->intercept);
     if (h->slope != 0 && !colour) {
         info->value_scale = h->slope;
         info->value_offset = h->intercept;
@@ -296,7 +299,7 @@ static vv_status understand(vv_field_info *info, vvi_nifti *h, vv_source *source
 {
     const char *name = vvi_source_name(source);
     vv_status st = check_dims(h, name, vvi_source_limits(source));
-    if (st != VV_OK || (st = fill_layout(info, h, name)) != VV_OK || (st = fill_scale(info, h, name)) != VV_OK ||
+    if (st != VV_OK || (st = fill_layout(info, h, name)) != VV_OK || (st = fill_scale(info, h, name, notes)) != VV_OK ||
         (st = find_offset(h, name)) != VV_OK)
         return st;
     st = h->analyze ? vvi_nifti_place_analyze(&info->grid, h, name, notes)

@@ -46,6 +46,10 @@ static vv_status read_start(vvi_vtk_lines *p, vv_notes *notes)
     p->file->rectilinear = strcasecmp(word[1], "RECTILINEAR_GRID") == 0;
     if (p->file->rectilinear || strcasecmp(word[1], "STRUCTURED_POINTS") == 0)
         return VV_OK;
+    if (strcasecmp(word[1], "POLYDATA") == 0)
+        return vv_fail_at(VV_E_UNSUPPORTED, p->file->name, NULL,
+                          "holds POLYDATA, a mesh, which is not read from .vtk; save it as .vtp or .ply "
+                          "(ParaView: File, Save Data)");
     return vv_fail_at(
         VV_E_UNSUPPORTED, p->file->name, NULL,
         "holds %.40s, which is not a regular grid; resample it to an image first (ParaView: Resample To Image)",

@@ -10,6 +10,8 @@
 #include <string.h>
 
 enum { NEEDED_GUARD = 8, CHUNK = 1024 };
+#define LEAST_RANGE 0x1p-64 /* the rows of a transfer function within it are counted in floats */
+#define MOST_FLOAT 0x1p104  /* the sum along the longest ray is a float */
 
 static int sample_type(vv_type type)
 {
@@ -111,8 +113,21 @@ static void drop_field(void *value)
     vv_field_release(value);
 }
 
-/* Where wide types go: their values over the range of all. */
-static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
+/* What floats are divided by where they are too large or differ by too little: a power of two, so none is rounded. */
+static double unit_of_floats(const vv_field_info *info, const vv_statistics *s)
+{
+    const double scale = fabs(info->value_scale), range = (s->max - s->min) / scale;
+    const double most = fmax(fabs(s->min - info->value_offset), fabs(s->max - info->value_offset)) / scale;
+    int exponent = 0;
+    if (most > MOST_FLOAT && isfinite(most))
+        exponent = ilogb(most) - ilogb(MOST_FLOAT); /* no more: what is small beside one fill stays a float */
+    else if (range > 0 && range < LEAST_RANGE)
+        exponent = ilogb(range);
+    return ldexp(1, exponent);
+}
+
+/* Where floats go: those of wide types over the range of all. */
+static vv_status find_unit(conversion *c, vvi_lattice_hold *h, vv_job *job)
 {
     const vv_field_info *info = vv_field_get_info(c->field);
     vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
@@ -120,7 +135,11 @@ static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
         return vv_fail_memory(sizeof *s);
     const vv_status st = vv_field_statistics(s, c->field, c->component, job);
     const double range = st == VV_OK && s->max > s->min ? fmin(s->max - s->min, DBL_MAX) : 1;
-    if (st == VV_OK) {
+    if (st == VV_OK && info->type == VV_TYPE_F32) {
+        const double unit = s->count ? unit_of_floats(info, s) : 1;
+        h->value_scale = info->value_scale * unit;
+        c->factor = 1 / unit;
+    } else if (st == VV_OK) {
         h->value_scale = range;
         h->value_offset = vvi_lattice_zero(info, s);
         c->factor = info->value_scale / range;
@@ -130,15 +149,17 @@ static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
     return st;
 }
 
-static vv_status open_converted(vvi_lattice_hold *h, const vv_field *field, int component, vv_job *job)
+static vv_status open_usable(vvi_lattice_hold *h, const vv_field *field, int component, vv_job *job)
 {
     conversion c = {.field = field, .from = &h->brick, .component = component, .factor = 1};
     c.type = converted_type(h->brick.type);
-    if (c.type == VV_TYPE_F32 && h->brick.type != VV_TYPE_F32) {
-        const vv_status found = find_range(&c, h, job);
+    if (c.type == VV_TYPE_F32) {
+        const vv_status found = find_unit(&c, h, job);
         if (found != VV_OK)
             return found;
     }
+    if (usable_as_it_is(&h->brick) && c.factor == 1)
+        return VV_OK;
     const vvi_cache_key key = {"lattice", vv_field_identity(field), (uint64_t)component};
     vv_status st = vvi_cache_get(&h->cached, &key, make_converted, drop_field, &c, job);
     if (st != VV_OK)
@@ -164,8 +185,8 @@ vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int com
                            (long long)box.n[a], 1 << 23);
         }
     vv_status st = vv_field_brick(&out->brick, field, &box, job);
-    if (st == VV_OK && !usable_as_it_is(&out->brick))
-        st = open_converted(out, field, component, job);
+    if (st == VV_OK)
+        st = open_usable(out, field, component, job);
     if (st != VV_OK) {
         vvi_lattice_close(out);
         return st;

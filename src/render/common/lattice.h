@@ -41,7 +41,8 @@ double vvi_lattice_zero(const vv_field_info *info, const vv_statistics *statisti
 
 /** Component `component` of a field, converted and kept in the cache where its type or layout needs it. Types wider
  * than floats become floats, shares of the whole range counted from vvi_lattice_zero(): none of the range is lost, and
- * one fill far outside takes nothing from values near 0. */
+ * one fill far outside takes nothing from values near 0. Floats that are huge, or differ by next to nothing, are copied
+ * in another unit: what is counted and added up from them then is a float as well. */
 vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job);
 void vvi_lattice_close(vvi_lattice_hold *hold); /* zeroed is fine */
 

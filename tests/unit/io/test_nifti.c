@@ -115,6 +115,15 @@ static void units_slopes_and_labels_are_read(void **state)
     file = open_bytes(state, bytes, n);
     assert_true(vv_file_info(file)->value_scale == -2 && vv_file_info(file)->value_offset == 55);
     vv_file_close(file);
+    static const float no_slopes[] = {NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof no_slopes / sizeof *no_slopes; i++) {
+        put_float(bytes, 112, no_slopes[i]);
+        put_float(bytes, 116, no_slopes[i]);
+        file = open_bytes(state, bytes, n);
+        assert_true(vv_file_info(file)->value_scale == 1 && vv_file_info(file)->value_offset == 0);
+        assert_non_null(strstr(vv_file_warning(file, 0), "scl_slope"));
+        vv_file_close(file);
+    }
     free(bytes);
 }
 

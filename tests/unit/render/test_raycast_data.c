@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static const char *const modes[] = {"composite", "maximum", "isosurface"};
+static const char *const modes[] = {"composite", "maximum", "isosurface", "mean"};
 
 static void set(test_ray_scene *s, const char *path, const char *json)
 {
@@ -111,12 +111,14 @@ static void values_scaled_to_other_types_make_the_picture_of_8_bits(void **state
     (void)state;
     static const scaled_type u8 = {VV_TYPE_U8, 1, 0};
     static const scaled_type as[] = {
-        {VV_TYPE_U8, 1, 15},        {VV_TYPE_U16, 257, 0},        {VV_TYPE_I16, 1, -120},
-        {VV_TYPE_I16, 200, -20000}, {VV_TYPE_F32, 1.0 / 255, 0},  {VV_TYPE_F32, 3.5, 1000},
-        {VV_TYPE_F64, 1e-3, 7},     {VV_TYPE_U32, 10000000, 500}, {VV_TYPE_I32, 1000000, -100000000},
-        {VV_TYPE_I64, 1e9, -3e10},
+        {VV_TYPE_U8, 1, 15},         {VV_TYPE_U16, 257, 0},        {VV_TYPE_I16, 1, -120},
+        {VV_TYPE_I16, 200, -20000},  {VV_TYPE_F32, 1.0 / 255, 0},  {VV_TYPE_F32, 3.5, 1000},
+        {VV_TYPE_F64, 1e-3, 7},      {VV_TYPE_U32, 10000000, 500}, {VV_TYPE_I32, 1000000, -100000000},
+        {VV_TYPE_I64, 1e9, -3e10},   {VV_TYPE_F32, 1e-30, 0},      {VV_TYPE_F32, 1e-37, 0},
+        {VV_TYPE_F32, 1e-37, 1e-33}, {VV_TYPE_F32, 1e-42, 0},      {VV_TYPE_F32, 1e36, -1e38},
+        {VV_TYPE_F64, 1e-300, 0},    {VV_TYPE_F64, 1e300, 0},
     };
-    for (int mode = 0; mode < 3; mode++) {
+    for (int mode = 0; mode < 4; mode++) {
         vv_image *want = picture_of_type(&u8, mode);
         for (size_t i = 0; i < sizeof as / sizeof *as; i++) {
             vv_image *image = picture_of_type(&as[i], mode);
