@@ -192,7 +192,7 @@ static vv_status add_step(int *row_out, parser *p, vvi_expression_op op, const i
     for (int i = 0; i < 3; i++)
         s->in[i] = (uint16_t)in[i < n ? i : 0];
     p->taken[b] = true;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && i < 3; i++)
         give_back(p, in[i]);
     e->n_between = b >= e->n_between ? b + 1 : e->n_between;
     *row_out = s->out;
@@ -204,7 +204,7 @@ static double reckon(const parser *p, vvi_expression_op op, const int in[3])
 {
     double rows[4][VVI_EXPRESSION_ROW];
     memset(rows, 0, sizeof rows);
-    for (int i = 0; i < vvi_expression_operands(op); i++)
+    for (int i = 0; i < 3 && i < vvi_expression_operands(op); i++)
         rows[i][0] = constant_of(p, in[i]);
     vvi_expression_kernels_for(0)->ops[op](rows[3], rows[0], rows[1], rows[2]);
     return rows[3][0];
@@ -214,7 +214,7 @@ static vv_status apply(int *row_out, parser *p, vvi_expression_op op, int a, int
 {
     const int in[3] = {a, b, c};
     bool constant = true;
-    for (int i = 0; i < vvi_expression_operands(op); i++)
+    for (int i = 0; i < 3 && i < vvi_expression_operands(op); i++)
         constant &= is_constant(in[i]);
     if (constant)
         return add_constant(row_out, p, reckon(p, op, in));
