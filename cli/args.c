@@ -1,6 +1,7 @@
 #include "args.h"
 #include "core/status.h"
 #include "core/text.h"
+#include "operands.h"
 #include "options.h"
 #include "usage.h"
 #include <stdio.h>
@@ -156,9 +157,9 @@ vv_status cli_args_parse(cli_args *out, const cli_verb *verb, int argc, char **a
     for (int i = 0; i < argc; i++)
         letters += argv[i][0] == '-' ? strlen(argv[i]) : 1;
     *out =
-        (cli_args){.given = calloc(letters + 1, sizeof *out->given), .words = calloc((size_t)argc + 1, sizeof(char *))};
+        (cli_args){.given = calloc(letters + 3, sizeof *out->given), .words = calloc((size_t)argc + 1, sizeof(char *))};
     if (!out->given || !out->words)
-        return vv_fail_memory((letters + 1) * sizeof *out->given);
+        return vv_fail_memory((letters + 3) * sizeof *out->given);
     bool only_words = false;
     for (int i = 0; i < argc && st == VV_OK; i++) {
         if (only_words || argv[i][0] != '-' || !argv[i][1])
@@ -170,13 +171,14 @@ vv_status cli_args_parse(cli_args *out, const cli_verb *verb, int argc, char **a
         else
             st = take_letters(out, verb, argc, argv, &i);
     }
-    return st;
+    return st == VV_OK ? cli_operands_take(out, verb) : st;
 }
 
 void cli_args_free(cli_args *args)
 {
     free(args->given);
     free(args->words);
+    free(args->names);
     *args = (cli_args){0};
 }
 

@@ -21,6 +21,7 @@ typedef struct cli_args {
     size_t n_given;
     const char **words; /**< what stands without dashes */
     size_t n_words;
+    char *names; /**< of the inputs, as given for an option; what is behind one of `given` */
 } cli_args;
 
 /** Errors: VV_E_ARGUMENT, with the nearest real name for an unknown option. */

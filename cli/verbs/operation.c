@@ -2,6 +2,7 @@
 #include "channel_names.h"
 #include "command.h"
 #include "mesh_pipeline.h"
+#include "operands.h"
 #include "output.h"
 #include "pipeline.h"
 #include "refusal.h"
@@ -62,7 +63,7 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
     return (cli_verb){
         .name = operation->name,
         .doc = operation->doc,
-        .words = vv_operation_most(operation) > 1 ? "INPUT..." : "INPUT",
+        .words = cli_operands_usage(operation),
         .choices = "files",
         .min_words = vv_operation_least(operation),
         .max_words = vv_operation_most(operation),
@@ -70,7 +71,7 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
                     vv_class_find(operation->params, "missing") ? &cli_reading_rest_class : &cli_reading_class,
                     &cli_writing_class, &cli_watching_class, makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
-        .each_input = true,
+        .each_input = vv_operation_least(operation) == 1 && operation->inputs[0].most == 1,
         .in_out = vv_operation_most(operation) == 1,
         .run = run,
         .operation = operation,

@@ -23,6 +23,8 @@ def prepare():
     write_cells()
     for name in ("head.nii.gz", "t1.nii.gz", "act.nii.gz"):
         ok("convert", "head.nrrd", "-o", name)
+    for name in ("pre.nrrd", "post.nrrd"):
+        shutil.copy("lobster.nrrd", name)
     with open("session.jsonl", "w", encoding="ascii") as file:
         file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')
     shutil.copy(BINDINGS, "bindings.json")
