@@ -285,8 +285,10 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
         st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before, index);
-    if (st == VV_OK && watch)
+    if (st == VV_OK && watch) {
+        cli_watch_written(watch, &command);
         cli_watch_stamp(&command.text);
+    }
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;

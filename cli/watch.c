@@ -153,11 +153,15 @@ vv_status cli_watch_begin(cli_watch *watch, cli_command *command)
 void cli_watch_end(cli_watch *watch, const cli_command *command, int code)
 {
     const bool made = code == CLI_EXIT_DONE || code == CLI_EXIT_PARTIAL;
-    const char *output = command->common ? command->common->output : NULL;
     if (command->job)
         vvi_job_listen_reads(command->job, NULL, NULL);
     cli_watch_files_end(&watch->files, !made);
-    if (made && output)
+}
+
+void cli_watch_written(cli_watch *watch, const cli_command *command)
+{
+    const char *output = command->common ? command->common->output : NULL;
+    if (output)
         watch->written = cli_file_state_of(&watch->files, output);
 }
 

@@ -28,6 +28,8 @@ vv_status cli_watch_check(const cli_args *args, const cli_verb *verb, const vv_r
 /** At the begin of a run, when there is a job: listens to what is read. VV_E_ARGUMENT where the output is a file that
  * somebody else made. */
 vv_status cli_watch_begin(cli_watch *watch, cli_command *command);
+/** What is written, before anybody is told of it: who writes there from then on is somebody else. */
+void cli_watch_written(cli_watch *watch, const cli_command *command);
 /** After it; code: its exit code. */
 void cli_watch_end(cli_watch *watch, const cli_command *command, int code);
 /** "12:03:22 " before a line of the result. */
