@@ -67,6 +67,10 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
     n = n < sizeof typed ? n : sizeof typed - 1;
     memcpy(typed, name, n);
     typed[n] = 0;
+    if (strcmp(typed, "axes") == 0) /* what other programs call it */
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s has no option %s%s; the order of a NumPy array's axes is a part: --part zyx, or FILE:zyx",
+                       verb->name, dashes, typed);
     const char *near = vv_nearest_name(typed, names, n_names);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; did you mean --%s?", verb->name, dashes, typed, near);

@@ -72,6 +72,23 @@ static vv_status clip_axis(cli_edits *edits, const char *typed)
     return st == VV_OK && *lo && dots[2] ? check_order(edits, typed) : st;
 }
 
+/* "x:10mm..60mm,y:..30" */
+static vv_status clip_axes(cli_edits *edits, const char *typed)
+{
+    vv_status st = VV_OK;
+    for (const char *at = typed; at && st == VV_OK;) {
+        char one[160];
+        const size_t n = strcspn(at, ",");
+        const int axis = tolower((unsigned char)at[0]) - 'x';
+        if (n >= sizeof one || axis < 0 || axis > 2 || at[1] != ':')
+            return fail_clip(typed);
+        snprintf(one, sizeof one, "%.*s", (int)n, at);
+        st = clip_axis(edits, one);
+        at = at[n] ? at + n + 1 : NULL;
+    }
+    return st;
+}
+
 /* "plane(n=1,0,1 d=20mm)" */
 static vv_status clip_plane(cli_edits *edits, const char *typed)
 {
@@ -100,7 +117,7 @@ vv_status cli_edit_clip(cli_edits *edits)
     for (size_t i = 0; (typed = cli_word_nth(edits->look->clip, i)) && st == VV_OK; i++) {
         const int axis = tolower((unsigned char)typed[0]);
         if (axis >= 'x' && axis <= 'z' && typed[1] == ':')
-            st = clip_axis(edits, typed);
+            st = clip_axes(edits, typed);
         else if (strncmp(typed, "plane(", 6) == 0)
             st = clip_plane(edits, typed);
         else

@@ -67,17 +67,17 @@ static bool is_length(const char *text)
     return *text && !vvi_parse_number(&number, text);
 }
 
-/* "FIRST..LAST", or "FIRST:END" with a sample that is not kept any more. */
+/* "FIRST..LAST", which a comma says as well, or "FIRST:END" with a sample that is not kept any more. */
 static vv_status split_range(char first[64], char last[64], bool *closed, const char *text, int axis)
 {
-    const char *dots = strstr(text, ".."), *mark = dots ? dots : strchr(text, ':');
-    const char *rest = mark ? mark + (dots ? 2 : 1) : NULL;
-    if (!mark || strchr(rest, ':') || strstr(rest, "..") || mark - text >= 64 || strlen(rest) >= 64)
+    const char *dots = strstr(text, ".."), *comma = dots ? NULL : strchr(text, ',');
+    const char *mark = dots ? dots : comma ? comma : strchr(text, ':'), *rest = mark ? mark + (dots ? 2 : 1) : NULL;
+    if (!mark || strpbrk(rest, ":,") || strstr(rest, "..") || mark - text >= 64 || strlen(rest) >= 64)
         return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is not a range; write FIRST..LAST, such as 10..59 or 10mm..60mm",
                        "xyz"[axis], text);
     snprintf(first, 64, "%.*s", (int)(mark - text), text);
     snprintf(last, 64, "%s", rest);
-    *closed = dots != NULL;
+    *closed = dots || comma;
     return VV_OK;
 }
 

@@ -625,6 +625,20 @@ def test_bash_completes_verbs_options_values_and_paths():
     says(ok("completions", "zsh").text, '{_alternative "words:word:(area volume', "--mask=[", "file:_files")
 
 
+def test_lists_are_taken_where_they_mean_something():
+    write_ball("ball.nrrd", 16)
+    ok("crop", "ball.nrrd", "-o", "dots.nrrd", "--x", "2..9")
+    ok("crop", "ball.nrrd", "-o", "comma.nrrd", "--x", "2,9")
+    assert open("dots.nrrd", "rb").read() == open("comma.nrrd", "rb").read()
+    says(fails(2, "crop", "ball.nrrd", "-o", "x.nrrd", "--x", "2,9,10"), "is not a range")
+    says(fails(2, "gaussian", "ball.nrrd", "-o", "x.nrrd", "--sigma", "2mm,1mm,0"), "is a list", "one value")
+    ok("render", "ball.nrrd", "-o", "one.png", "--clip", "x:0mm..9mm,y:3..", "--size", "32")
+    ok("render", "ball.nrrd", "-o", "two.png", "--clip", "x:0mm..9mm", "--clip", "y:3..", "--size", "32")
+    assert open("one.png", "rb").read() == open("two.png", "rb").read()
+    says(fails(2, "render", "ball.nrrd", "-o", "x.png", "--clip", "x:0mm..9mm,3.."), "expected x:10mm..60mm")
+    says(fails(2, "info", "ball.nrrd", "--axes", "zyx"), "--part zyx")
+
+
 def test_man_pages_exist_for_the_program_and_every_verb():
     says(ok("man").text, ".TH volvis 1", "volvis\\-render", "VOLVIS_THREADS")
     ok("man", "--into", "man1")
