@@ -97,10 +97,17 @@ static vv_status warn_of_choice(const vvi_h5 *h5, const vvi_h5_list *list, const
                           list->n, chosen->path, h5->name, chosen->path);
 }
 
+/* By the name that programs give to what matters: as the formats say it that take the first. */
+static vv_status warn_of_name(const vvi_h5_list *list, const vvi_h5_set *chosen, vv_notes *notes)
+{
+    return vvi_notes_warn(notes, "holds %zu data sets; '%.200s' is read; name another with FILE:NAME", list->n,
+                          chosen->path);
+}
+
 static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list *list, const char *part,
                             vv_notes *notes)
 {
-    const vvi_h5_set *found = NULL;
+    const vvi_h5_set *found = NULL, *named = NULL;
     for (size_t i = 0; part && i < list->n && !found; i++)
         if (is_named(&list->set[i], part))
             found = &list->set[i];
@@ -109,7 +116,7 @@ static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list
         if (!found)
             found = find_only(list, 3);
         if (!found)
-            found = find_preferred(list);
+            named = found = find_preferred(list);
     }
     const vvi_h5_set *mesh = found || part ? NULL : find_mesh(h5, list);
     if (mesh)
@@ -120,7 +127,7 @@ static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list
     if (!found)
         return fail_choice(h5, list, part);
     *out = *found;
-    return any ? warn_of_choice(h5, list, found, notes) : VV_OK;
+    return any ? warn_of_choice(h5, list, found, notes) : named ? warn_of_name(list, named, notes) : VV_OK;
 }
 
 static vv_status note_parts(vv_notes *notes, const vvi_h5_list *list, const vvi_h5_set *chosen)
