@@ -19,7 +19,8 @@
 #include <unistd.h>
 
 /* Volatile, so that no compiler is wiser than the hostile file. */
-static volatile int sink, never;
+static volatile unsigned sink;
+static volatile int never;
 static int *volatile nowhere = (int *)8;
 
 static vv_status do_crash(vv_job *job)
