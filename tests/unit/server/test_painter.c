@@ -283,9 +283,9 @@ static void who_shows_nothing_yet_waits_for_nobody_s_large_picture(void **state)
     for (int i = 1; i <= NEW; i++) {
         p = next_frame(s, i);
         assert_null(p.error);
-        assert_true(p.has_stand && !p.final && !p.moving);
+        assert_true(p.has_stand && !p.moving && (!p.final || i > 1)); /* a small one may be whole before we look */
         assert_int_equal(p.full[0], i == 1 ? LARGE : 100 * i);
-        assert_true(p.size[0] <= 512 && p.size[0] == p.size[1]);
+        assert_true((p.final || p.size[0] <= 512) && p.size[0] == p.size[1]);
         vvi_painted_free(&p);
     }
     for (; vvi_painter_take(&p, s->painter, 0); vvi_painted_free(&p))
