@@ -2,10 +2,11 @@
 import json
 import os
 import random
+import subprocess
 
 import numpy as np
 
-from harness import Skip, main, ok, says, volvis, write_ball, write_labels, write_named_cells, write_nrrd
+from harness import VOLVIS, Skip, main, ok, says, volvis, write_ball, write_labels, write_named_cells, write_nrrd
 from page import Page, Server, run
 
 try:
@@ -203,6 +204,28 @@ def test_other_inputs_are_given_by_name():
             assert page.read() == program.read()
     assert json.loads(dataset["inputs"]) == {"values": "ramp"}
     says(lines, " values='", "ramp.nrrd' -o 'ball-isosurface-2.ply'")
+
+
+def test_formulas_speak_of_inputs_by_their_names():
+    write_ball("ball.nrrd", 24)
+    write_nrrd("ramp.nrrd", (24, 24, 24), lambda x, y, z: x)
+    ok("calc", "b - 2*a", "a=ball.nrrd", "b=ramp.nrrd", "-o", "program.nrrd")
+
+    async def work():
+        async with Page(server) as page:
+            asked = {"operation": "calc", "dataset": "ball", "inputs": {"a": "ball", "b": "ramp"}, "parameters": {"formula": "b - 2*a"}}
+            lines = (await page.ask("command", **asked))["text"]
+            made = (await page.ask("run", **asked))["dataset"]
+            await page.until(lambda: made in page.world["world"]["datasets"])
+            return page.world["world"]["datasets"][made], lines
+    with Server("ball.nrrd", "ramp.nrrd") as server:
+        dataset, lines = run(work())
+        with open(dataset["path"], "rb") as page, open("program.nrrd", "rb") as program:
+            assert page.read() == program.read()
+    done = subprocess.run(["sh", "-c", lines.replace("volvis ", f"{VOLVIS} ", 1)], capture_output=True, text=True)
+    assert done.returncode == 0, (lines, done.stderr)
+    with open("result.nrrd", "rb") as again, open("program.nrrd", "rb") as program:
+        assert again.read() == program.read()
 
 
 def test_parameters_that_are_no_object_are_a_sentence():
