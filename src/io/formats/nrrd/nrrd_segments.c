@@ -1,11 +1,11 @@
 /* Segments, as 3D Slicer writes them. What a segment had in the file that it comes from goes on, if that was a NRRD:
  * its ID, its tags and keys that nobody knows. */
 #include "core/memory.h"
+#include "grid/label_color.h"
 #include "grid/label_id.h"
 #include "io/formats/nrrd/nrrd.h"
 #include "io/place.h"
 #include "io/scan.h"
-#include "render/common/transfer.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -183,7 +183,7 @@ static void add_color(const writing *w, size_t i, size_t old, const vv_label *la
         return;
     if (!label->has_color) { /* the one that it is shown in */
         double rgb[3];
-        vvi_transfer_label_color(rgb, label->value);
+        vvi_label_color(rgb, label->value);
         color = (vv_color){rgb[0], rgb[1], rgb[2], 1};
     }
     snprintf(key, sizeof key, "Segment%zu_Color", i);
