@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "core/units.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "pipeline.h"
 #include "scene/resolve.h"
 #include "value.h"

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "model/context.h"
 #include "model/dataset.h"
+#include "scene/load.h"
 #include "server/request.h"
 
 #include <stdlib.h>

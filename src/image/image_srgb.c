@@ -1,5 +1,5 @@
 /* Codes of the sRGB curve, which itself is in core/srgb.c: scene files need it too. */
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 
 #include <math.h>
 

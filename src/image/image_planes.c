@@ -1,9 +1,9 @@
 /* Planes and their separable filters. */
-#include "io/images/image_planes.h"
+#include "image/image_planes.h"
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * K1 = 0.01, K2 = 0.03, over every window that lies inside the image. Luma after ITU-R BT.601. */
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_planes.h"
+#include "image/image_planes.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * Alternating Images", the version for display-ready images; the metric follows its sections in order. */
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_planes.h"
+#include "image/image_planes.h"
 
 #include <math.h>
 

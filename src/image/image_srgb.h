@@ -1,8 +1,8 @@
 /** @file
  * The sRGB curve for whole images: exact codes from linear floats without a power a pixel.
  */
-#ifndef VVI_IO_IMAGE_SRGB_H
-#define VVI_IO_IMAGE_SRGB_H
+#ifndef VVI_IMAGE_IMAGE_SRGB_H
+#define VVI_IMAGE_IMAGE_SRGB_H
 #include <volvis/image.h>
 
 /** Steps of the first guess; the curve is flat enough that at most a few codes share one. */

@@ -1,7 +1,7 @@
 /* Images: life, options, text. */
 #include "core/memory.h"
 #include "core/status.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 
 #include <math.h>
 #include <stddef.h>

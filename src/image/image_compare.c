@@ -1,6 +1,6 @@
 /* How two images differ. */
 #include "core/memory.h"
-#include "io/images/image_planes.h"
+#include "image/image_planes.h"
 
 #include <math.h>
 #include <stdlib.h>

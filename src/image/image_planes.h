@@ -1,8 +1,8 @@
 /** @file
  * Planes of doubles, one number a pixel: what image comparison works on.
  */
-#ifndef VVI_IO_IMAGE_PLANES_H
-#define VVI_IO_IMAGE_PLANES_H
+#ifndef VVI_IMAGE_IMAGE_PLANES_H
+#define VVI_IMAGE_IMAGE_PLANES_H
 #include "core/status.h"
 #include <volvis/image.h>
 

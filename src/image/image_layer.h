@@ -1,8 +1,8 @@
 /** @file
  * The layers of an image by number, for what treats them alike.
  */
-#ifndef VVI_IO_IMAGE_LAYER_H
-#define VVI_IO_IMAGE_LAYER_H
+#ifndef VVI_IMAGE_IMAGE_LAYER_H
+#define VVI_IMAGE_IMAGE_LAYER_H
 #include <volvis/image.h>
 
 /** All layers are arrays of 32-bit numbers. */

@@ -1,4 +1,5 @@
 /* Samples of datasets: attached ones first, else from the file, kept in the runtime's cache. */
+#include "scene/load.h"
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"

@@ -1,10 +1,8 @@
-/* JSON files within the limits. Python writes NaN and Infinity, which JSON does not have: they are read as empty text,
- * which is no number. */
+#include "io/json.h"
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "grid/label_id.h"
-#include "io/formats/zarr/zarr.h"
 #include "io/scan.h"
 #include <math.h>
 #include <string.h>
@@ -100,7 +98,7 @@ static json_t *load_large(const char *text, size_t n, json_error_t *error)
     return tree;
 }
 
-vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
+vv_status vvi_json_read_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
 {
     json_error_t error = {0};
     char where[48];
@@ -125,7 +123,7 @@ vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *nam
     return vv_fail_at(VV_E_FORMAT, name, NULL, "is JSON, but not an object");
 }
 
-vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job)
+vv_status vvi_json_read_beside(json_t **out, const vv_source *folder, const char *name, vv_job *job)
 {
     vv_source *source;
     bool exact;
@@ -146,13 +144,13 @@ vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name,
     if (st == VV_OK)
         st = vvi_source_read(source, text, (size_t)n, "metadata");
     if (st == VV_OK)
-        st = vvi_zarr_json_text(out, text, (size_t)n, vvi_source_name(source), job);
+        st = vvi_json_read_text(out, text, (size_t)n, vvi_source_name(source), job);
     vvi_free(text);
     vvi_source_close(source);
     return st;
 }
 
-bool vvi_zarr_whole(int64_t *out, const json_t *value)
+bool vvi_json_whole(int64_t *out, const json_t *value)
 {
     if (json_is_integer(value)) {
         *out = json_integer_value(value);
@@ -165,13 +163,13 @@ bool vvi_zarr_whole(int64_t *out, const json_t *value)
     return true;
 }
 
-bool vvi_zarr_label(vv_label_id *out, const json_t *value)
+bool vvi_json_label(vv_label_id *out, const json_t *value)
 {
     const char *digits = json_string_value(value);
-    return digits ? vvi_label_parse(out, digits, true) : vvi_zarr_whole(out, value);
+    return digits ? vvi_label_parse(out, digits, true) : vvi_json_whole(out, value);
 }
 
-bool vvi_zarr_real(double *out, const json_t *value)
+bool vvi_json_real(double *out, const json_t *value)
 {
     if (!json_is_number(value) || !isfinite(json_number_value(value)))
         return false;
@@ -179,12 +177,12 @@ bool vvi_zarr_real(double *out, const json_t *value)
     return true;
 }
 
-const char *vvi_zarr_text(const json_t *object, const char *key)
+const char *vvi_json_text(const json_t *object, const char *key)
 {
     return json_string_value(json_object_get(object, key));
 }
 
-void vvi_zarr_copy(char *out, size_t room, const char *text)
+void vvi_json_copy_text(char *out, size_t room, const char *text)
 {
     const size_t n = text ? vvi_utf8_cut(text, strlen(text), room - 1) : 0;
     if (n > 0)
