@@ -372,6 +372,22 @@ def test_range_mean_and_the_name_in_a_scene():
     ok("render", "8_annotation.nrrd", "-o", "a.png", "--size", "8x8", "--set", "volumes.v8_annotation.visible=true")
 
 
+def test_whole_numbers_are_told_with_all_their_digits():
+    write_nrrd("ids.nrrd", (4, 5, 6), lambda x, y, z: 3000000001 * (x == 3) + 5 * y, kind="uint32", code="I")
+    assert row(ok("info", "ids.nrrd").text, "range").startswith("0 to 3000000021, mean 7.5")
+    assert row(ok("info", "ids.nrrd", "--stats").text, "range") == "0 to 3000000021"
+
+
+def test_a_scale_is_told_as_a_formula_without_idle_parts():
+    write_nrrd("plain.nrrd", (4, 5, 6), lambda x, y, z: x)
+    for scale, offset, want in ((1, -1024, "stored - 1024"), (0.5, 0, "stored * 0.5"), (2, 3, "stored * 2 + 3")):
+        with open("plain.nrrd", "rb") as file:
+            header, samples = file.read().split(b"\n\n", 1)
+        with open("scaled.nrrd", "wb") as file:
+            file.write(header + b"\nvolvis value scale:=%g\nvolvis value offset:=%g\n\n" % (scale, offset) + samples)
+        assert row(ok("info", "scaled.nrrd").text, "values") == want, want
+
+
 def test_large_data_are_looked_at_only_when_asked():
     with open("large.raw", "wb") as file:
         file.truncate(512 * 512 * 512)
