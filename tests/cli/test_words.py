@@ -286,6 +286,21 @@ def test_options_that_do_nothing_to_what_is_seen_are_refused():
     assert sorted(os.listdir(".")) == ["box.ply", "head.nrrd", "organs.seg.nrrd", "rgb.png"]
 
 
+def test_options_of_operations_that_another_option_makes_idle_are_refused():
+    write_ball()
+    threshold = ["threshold", "head.nrrd", "-o", "a.nrrd", "--overwrite"]
+    says(fails(2, *threshold, "--method", "otsu", "--range", "3..5"), "--range does nothing with --method otsu", "for range or hysteresis")
+    says(fails(2, *threshold, "--range", "3..5", "--classes", "4"), "--classes does nothing with --method range", "for multi-otsu")
+    says(fails(2, *threshold, "--range", "3..5", "--strong", "4.."), "--strong does nothing with --method range")
+    says(fails(2, *threshold, "--method", "li", "--connectivity", "18"), "--connectivity does nothing with --method li")
+    ok(*threshold, "--method", "multi-otsu", "--classes", "4")
+    ok(*threshold, "--method", "hysteresis", "--range", "3..", "--strong", "9..", "--connectivity", "18")
+    grow = ["grow", "head.nrrd", "-o", "a.nrrd", "--overwrite", "--seed", "16,16,16"]
+    for words in (["--radius", "2"], ["--deviations", "2"], ["--iterations", "2"]):
+        says(fails(2, *grow, "--range", "50..", *words), "a range needs no")
+        ok(*grow, *words)
+
+
 def test_the_same_options_are_taken_where_they_do_something():
     """Each gives another picture than without it."""
     write_ball(n=16)
