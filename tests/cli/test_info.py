@@ -486,6 +486,17 @@ def test_names_that_a_terminal_would_obey_are_masked():
         assert "\nb.nrrd" not in result.text, (words, result.text)
 
 
+def test_units_that_a_terminal_would_obey_are_masked():
+    header = ("NRRD0005\ntype: uint8\ndimension: 3\nsizes: 6 6 6\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+              'space units: "m\x1bm" "m\x1bm" "m\x1bm"\nsample units: "H\x1b[31mU"\nencoding: raw\n\n')
+    with open("units.nrrd", "wb") as file:
+        file.write(header.encode() + bytes(200 * (i % 6 > 2 and i // 6 % 6 > 2 and i > 107) for i in range(216)))
+    for words in (("info",), ("measure", "statistics"), ("measure", "labels"), ("measure", "volume", "--threshold", "9.."),
+                  ("isosurface", "-o", "a.ply", "--overwrite", "--iso", "9"), ("convert", "-o", "a.tif", "--overwrite")):
+        run = ok(*words[:1], *words[1:2] * (words[0] == "measure"), "units.nrrd", *words[1 + (words[0] == "measure"):])
+        assert "\x1b" not in run.text + run.message, words
+
+
 def test_damaged_samples_have_one_exit_code():
     numpy.save("whole.npy", numpy.arange(8000, dtype="f4").reshape(20, 20, 20))
     with open("whole.npy", "rb") as whole, open("cut.npy", "wb") as cut:
