@@ -27,7 +27,7 @@ def test_help_fits_the_terminal():
 def test_help_of_switches_that_are_on_says_what_is_taken_away():
     for verb, option in (("rescale", "clamp"), ("isosurface", "normals"), ("info", "defaults")):
         said = " ".join(ok("help", verb, env={"COLUMNS": "300"}).text.split())
-        says(said, f"--no-{option} without what is the default: ")
+        says(said, f"--no-{option} turn off: ")
         assert "default on" not in said
     says(fails(2, "info", "a.nrrd", env={"VOLVIS_DEFAULTS": defaults_of("--size 100")}), "--size", "render --size ...")
 
