@@ -533,6 +533,9 @@ def test_json_of_every_list_is_valid_and_has_its_rows():
     assert {"crop", "flip", "rescale", "gaussian"} <= {o["name"] for o in ok("operations", "--json").json["operations"]}
     assert "viridis" in [p["name"] for p in ok("presets", "--json").json["presets"]]
     assert ok("schema", "--json").json["$schema"].startswith("https://json-schema.org/")
+    tables = ok("schema", "--tables", "--json").json
+    assert {"classes", "operations", "renderers", "presets", "colormaps", "methods", "bindings"} <= set(tables)
+    assert "operation.crop" in tables["classes"] and "turn" in tables["bindings"]["bindings"]
     checks = {check["check"]: check["ok"] for check in ok("doctor", "--json").json["checks"]}
     assert checks["rendering"] and "import" in checks and "seccomp" in checks and "landlock" in checks
     assert ok("doctor", "--limits", "--json").json["limits"]["dim"] > 0
