@@ -3,8 +3,8 @@
 #include "findings.h"
 #include "grid/true_values.h"
 #include "output.h"
+#include "value.h"
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,12 +35,11 @@ static void report_info(cli_command *command, const char *output, const vv_field
 
 static void report(cli_command *command, const char *output, const vv_run_about *run)
 {
-    char about[128], scaled[128] = "";
+    char about[128], scaled[96] = "";
     const vv_field_info *info = &run->result;
     cli_describe_info(about, &run->written, run->n_frames);
     if (vvi_has_scale(info) && !vvi_has_scale(&run->written))
-        snprintf(scaled, sizeof scaled, ", the values of %s * %g %c %g", vv_type_name(info->type), info->value_scale,
-                 info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
+        cli_value_scaled(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
     report_info(command, output, &run->written, run);
     vvi_result_number(&command->json, "load_s", run->load_s);
     vvi_result_number(&command->json, "run_s", run->run_s);
@@ -49,7 +48,7 @@ static void report(cli_command *command, const char *output, const vv_run_about 
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_text_add_clean(&command->text, output);
-    vvi_text_printf(&command->text, ": %s%s;", about, scaled);
+    vvi_text_printf(&command->text, ": %s%s%s;", about, *scaled ? ", the values of " : "", scaled);
     cli_findings_report(command);
     if (run->streamed)
         vvi_text_printf(&command->text, " streamed in %.2f s\n", run->run_s + run->write_s);

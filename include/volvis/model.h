@@ -173,6 +173,7 @@ typedef struct vv_volume_slices {
     char *colormap;
     int blend;
     double opacity;
+    bool clear_below;
 } vv_volume_slices;
 
 /** What of which dataset is shown, where and how. */

@@ -1,6 +1,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/places.h"
+#include "core/text.h"
 #include "grid/fill_value.h"
 #include "grid/true_values.h"
 #include "io/file_beside.h"
@@ -116,6 +117,14 @@ static const char *lack_of(const vv_file *file)
     return strncmp(sentence, name, n) == 0 && strncmp(sentence + n, ": ", 2) == 0 ? sentence + n + 2 : sentence;
 }
 
+/* Units stand beside figures everywhere, also where nobody thinks of what a terminal obeys. */
+static void clean_units(vv_field_info *info)
+{
+    vvi_text_clean(info->grid.unit);
+    vvi_text_clean(info->value_unit);
+    vvi_text_clean(info->frame_unit);
+}
+
 static vv_status read_header(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     file->info = vv_field_info_default();
@@ -127,6 +136,7 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
     vv_status st = file->format->read_header(&file->info, &file->plan, file->source, options, file->notes, job);
     if (st != VV_OK)
         return st;
+    clean_units(&file->info);
     vv_part first;
     if (options->part && !vvi_notes_get_part(file->notes, 0, &first))
         return vv_fail_at(VV_E_NOT_FOUND, vvi_source_name(file->source), NULL,

@@ -303,8 +303,10 @@ static const vv_property slices[] = {
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
      .automatic = "add for channels, else over", .doc = "how it is blended with the volumes before it"},
     {VV_PROP(vv_volume_slices, opacity), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
-     .max = 1, .def = 1, .automatic = "1; 50% over other volumes",
+     .max = 1, .def = 1, .automatic = "1; 50% over other volumes if nothing of it is clear",
      .doc = "of its slices; what is transparent stays transparent"},
+    {VV_PROP(vv_volume_slices, clear_below), .kind = VV_KIND_BOOL,
+     .automatic = "over other volumes if window_lo is set", .doc = "whether values below the window are transparent"},
     END,
 };
 const vv_class vvi_volume_slices_class = {

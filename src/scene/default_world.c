@@ -86,6 +86,7 @@ typedef struct file_names {
     size_t n_channels;
     const vv_label *labels;
     size_t n_labels;
+    bool emission; /* of a positron emission tomograph */
 } file_names;
 
 /* A volume from its JSON text, which is freed. */
@@ -297,14 +298,14 @@ static int world_axis(const vv_grid *grid, int a)
 }
 
 /* An image however few its samples or thick its slice; others by their extent. */
-static const char *view_of(const vv_field_info *info, bool known_methods)
+static const char *view_of(const vv_field_info *info, bool emission, bool known_methods)
 {
     const int across = axis_across(&info->grid), thin = thin_axis(&info->grid);
     if (known_methods && across >= 0)
         return image_views[world_axis(&info->grid, across)];
     if (thin >= 0)
         return flat_views[world_axis(&info->grid, thin)];
-    return known_methods && is_activity(info) ? ACTIVITY_VIEW : MAIN_VIEW;
+    return known_methods && (emission || is_activity(info)) ? ACTIVITY_VIEW : MAIN_VIEW;
 }
 
 /* Lights and a view. */
@@ -320,7 +321,7 @@ static void furnish(making *m, const char *id, const vv_field_info *info, const 
 {
     set_text(m, "", "unit", info->grid.unit);
     add_volumes(m, id, info, names);
-    light_up(m, view_of(info, m->known_methods));
+    light_up(m, view_of(info, names->emission, m->known_methods));
 }
 
 static vv_status world_for_field(vv_world **out, const char *id, const vv_field *field, const file_names *names,
@@ -353,9 +354,18 @@ vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *fie
     return world_for_field(out, id, field, &none, job);
 }
 
+static bool is_emission(const vv_file *file)
+{
+    const char *key, *value;
+    for (size_t i = 0; vv_file_metadata(file, i, &key, &value); i++)
+        if (strcmp(key, "Modality") == 0)
+            return strcmp(value, "PT") == 0;
+    return false;
+}
+
 static file_names names_of(const vv_file *file)
 {
-    file_names n;
+    file_names n = {.emission = is_emission(file)};
     n.channels = vv_file_channels(file, &n.n_channels);
     n.labels = vv_file_labels(file, &n.n_labels);
     return n;
