@@ -32,7 +32,7 @@ static vv_status add_input(vv_world **world, cli_command *command, const char *w
     if (st == VV_OK && cli_input_contents(command, word) != CLI_INPUT_DATA)
         st = vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a scene, which only the first input can be; name its data");
     if (st == VV_OK)
-        st = vvi_world_merge(world, more, command->job);
+        st = vvi_world_merge(world, more, command->registry);
     vv_object_release(more ? &more->base : NULL);
     return st;
 }

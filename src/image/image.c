@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE_MOST 65536
-
 static const vvi_layer layers_there_are[VV_LAYER_COUNT] = {
     {.name = "depth", .channels = 1, .empty = INFINITY, .offset = offsetof(vv_image, depth)},
     {.name = "normal", .channels = 3, .offset = offsetof(vv_image, normal)},
@@ -76,9 +74,9 @@ static vv_status add_layer(vv_image *image, size_t index, size_t n_pixels, vv_jo
 vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, unsigned layers, vv_job *job)
 {
     *out = NULL;
-    if (width < 1 || height < 1 || width > SIDE_MOST || height > SIDE_MOST)
+    if (width < 1 || height < 1 || width > VVI_IMAGE_SIDE_MOST || height > VVI_IMAGE_SIDE_MOST)
         return vv_fail(VV_E_ARGUMENT, "an image of %d x %d pixels; each side must be between 1 and %d", width, height,
-                       SIDE_MOST);
+                       VVI_IMAGE_SIDE_MOST);
     const size_t n = (size_t)width * (size_t)height;
     vv_status st = vvi_memory_plan(job, n * vvi_image_pixel_bytes(layers), "an image");
     if (st != VV_OK)

@@ -5,6 +5,8 @@
 #define VVI_IMAGE_IMAGE_LAYER_H
 #include <volvis/image.h>
 
+enum { VVI_IMAGE_SIDE_MOST = 65536 };
+
 /** All layers are arrays of 32-bit numbers. */
 typedef struct vvi_layer {
     const char *name;
