@@ -3,7 +3,7 @@
 #include "edits.h"
 #include "input.h"
 #include "refusal.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

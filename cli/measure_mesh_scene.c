@@ -3,7 +3,7 @@
 #include "core/vec.h"
 #include "measure_meshes.h"
 #include "mesh.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include "surface/clip.h"
 #include <math.h>
 #include <stdio.h>

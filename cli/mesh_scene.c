@@ -3,8 +3,8 @@
 #include "core/units.h"
 #include "grid/field.h"
 #include "picture_notes.h"
-#include "render/common/resolve.h"
-#include "render/common/transfer.h"
+#include "scene/resolve.h"
+#include "scene/transfer.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "core/units.h"
 #include "io/images/image_layer.h"
 #include "pipeline.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include "value.h"
 #include <inttypes.h>
 

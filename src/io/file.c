@@ -8,7 +8,7 @@
 #include "io/file_stream.h"
 #include "io/folder.h"
 #include "io/format.h"
-#include "io/formats/steps.h"
+#include "io/formats/steps/steps.h"
 #include "io/import.h"
 #include "io/import_process.h"
 #include "io/notes.h"

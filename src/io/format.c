@@ -3,8 +3,8 @@
 #include "core/text.h"
 #include "io/coding.h"
 #include "io/foreign.h"
-#include "io/formats/slices.h"
-#include "io/formats/slices_write.h"
+#include "io/formats/slices/slices.h"
+#include "io/formats/slices/slices_write.h"
 #include "io/mesh_file.h"
 #include "registry.h"
 #include <string.h>

@@ -2,10 +2,10 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "gfx/gfx.h"
-#include "render/common/resolve.h"
 #include "render/decorate/decorate.h"
 #include "render/frame.h"
 #include "render/sight.h"
+#include "scene/resolve.h"
 #include <string.h>
 
 void vv_render_options_init(vv_render_options *options, size_t size)

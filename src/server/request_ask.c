@@ -1,7 +1,7 @@
 /* Questions about data and about what is seen. */
 #include "core/memory.h"
 #include "grid/label_id.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include "server/request.h"
 
 #include <math.h>

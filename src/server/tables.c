@@ -1,6 +1,6 @@
 #include "server/tables.h"
 #include "input/method.h"
-#include "render/common/presets.h"
+#include "scene/presets.h"
 
 #include <math.h>
 #include <stdio.h>

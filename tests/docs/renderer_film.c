@@ -2,7 +2,7 @@
  */
 #include "renderer_film.h"
 #include "core/job.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <stdlib.h>
 #include <volvis/sys/scene.h>

@@ -4,8 +4,8 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/formats/tiff.h"
-#include "io/formats/tiff_write.h"
+#include "io/formats/tiff/tiff.h"
+#include "io/formats/tiff/tiff_write.h"
 #include "io/images/image_codes.h"
 #include "io/images/image_layer.h"
 #include "io/images/xmp.h"

@@ -4,7 +4,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "io/formats/zarr.h"
+#include "io/formats/zarr/zarr.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/scan.h"
 #include "registry.h"

@@ -3,7 +3,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "grid/field.h"
-#include "io/formats/zarr.h"
+#include "io/formats/zarr/zarr.h"
 #include "io/meshes/gltf.h"
 #include "io/meshes/mesh_column.h"
 
