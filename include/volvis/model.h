@@ -367,6 +367,8 @@ VV_API vv_status vv_model_add(vv_model *model, const char *who, const char *path
 VV_API vv_status vv_model_remove(vv_model *model, const char *who, const char *path);
 /** Attach samples to datasets.<id> (made if it does not exist): frame 0 of one attribute. Retains the field. */
 VV_API vv_status vv_model_attach(vv_model *model, const char *who, const char *id, const vv_field *field);
+/** The same for triangles. What the dataset had in memory is given up. */
+VV_API vv_status vv_model_attach_mesh(vv_model *model, const char *who, const char *id, const vv_mesh *mesh);
 /** Replace the whole World: opening a scene. */
 VV_API vv_status vv_model_replace(vv_model *model, const char *who, vv_world *world);
 
@@ -431,6 +433,8 @@ VV_API vv_status vv_scene_schema(char **json_out, const struct vv_registry *regi
 /** A default World on one dataset: volume, key and fill light, one view that frames it. id from the file name. */
 VV_API vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_options *options, vv_job *job);
 VV_API vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *field, vv_job *job);
+/** The same on a mesh in memory. Both retain their data. VV_E_ARGUMENT: the id is none. */
+VV_API vv_status vv_world_for_mesh(vv_world **out, const char *id, const vv_mesh *mesh, vv_job *job);
 
 VV_END_DECLS
 #endif

@@ -14,6 +14,7 @@
 #include <volvis/mesh.h>
 #include <volvis/mesh_file.h>
 #include <volvis/model.h>
+#include <volvis/operation.h>
 #include <volvis/pick.h>
 #include <volvis/property.h>
 #include <volvis/render.h>

@@ -324,17 +324,25 @@ static void furnish(making *m, const char *id, const vv_field_info *info, const 
     light_up(m, view_of(info, names->emission, m->known_methods));
 }
 
+static vv_status check_id(const char *id)
+{
+    if (vvi_id_valid(id))
+        return VV_OK;
+    return vv_fail(
+        VV_E_ARGUMENT,
+        "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting with a digit or -", id,
+        VVI_ID_MOST);
+}
+
 static vv_status world_for_field(vv_world **out, const char *id, const vv_field *field, const file_names *names,
                                  vv_job *job)
 {
     vv_object *dataset = NULL;
     char path[VVI_ID_MOST + 16];
     *out = NULL;
-    if (!vvi_id_valid(id))
-        return vv_fail(
-            VV_E_ARGUMENT,
-            "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting with a digit or -",
-            id, VVI_ID_MOST);
+    const vv_status st = check_id(id);
+    if (st != VV_OK)
+        return st;
     making m = begin(job);
     if (m.st == VV_OK)
         m.st = vv_object_new(&dataset, &vv_dataset_class, &m.context);
@@ -441,6 +449,20 @@ static void keep_mesh(making *m, const char *dataset, const vv_mesh *mesh)
     if (m->st == VV_OK && (m->st = vvi_dataset_attach_mesh((vv_dataset *)object, mesh)) == VV_OK)
         m->st = vv_path_put(&m->world, dataset, object, &m->context);
     vv_object_release(object);
+}
+
+vv_status vv_world_for_mesh(vv_world **out, const char *id, const vv_mesh *mesh, vv_job *job)
+{
+    char dataset[VVI_ID_MOST + 16];
+    const vv_status st = check_id(id);
+    *out = NULL;
+    if (st != VV_OK)
+        return st;
+    snprintf(dataset, sizeof dataset, "datasets.%s", id);
+    making m = begin(job);
+    keep_mesh(&m, dataset, mesh);
+    furnish_mesh(&m, id, mesh);
+    return finish(out, &m);
 }
 
 vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, const char *part, vv_job *job)
