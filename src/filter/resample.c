@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "filter/amounts.h"
 #include "filter/resample_onto.h"
 #include "filter/resample_weights.h"
 #include "grid/field.h"
@@ -201,25 +202,27 @@ static vv_status choose(grid_map *map, vvi_resample_kernel *kernel, const vv_fie
     return onto ? find_map_onto(map, &infos[0].grid, &infos[1].grid, params) : find_map(map, &infos[0], params);
 }
 
+/* The stored number outside. */
+static vv_status find_fill(char fill[8], const vv_field_info *info, const vv_object *params)
+{
+    const double missing = NAN;
+    if (is_set(params, ROW_FILL))
+        return vvi_stored_bytes(fill, info, ((const resample_params *)params)->fill, "resample: fill");
+    const double stored = vv_type_is_float(info->type) ? missing : -info->value_offset / info->value_scale;
+    vvi_samples_from_f64(fill, &stored, info->type, 1);
+    return VV_OK;
+}
+
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     grid_map map;
     vvi_resample_kernel kernel;
     const bool onto = n_inputs > 1 && inputs[1].grid.dims[0] > 0;
-    const vv_status st = choose(&map, &kernel, inputs, onto, params);
-    if (st == VV_OK)
+    char fill[8];
+    vv_status st = choose(&map, &kernel, inputs, onto, params);
+    if (st == VV_OK && (st = find_fill(fill, &inputs[0], params)) == VV_OK)
         *out = resampled(&inputs[0], &map);
     return st;
-}
-
-/* The stored number outside. */
-static void find_fill(char fill[8], const vv_field_info *info, const vv_object *params)
-{
-    const bool given = is_set(params, ROW_FILL);
-    const double value = given ? ((const resample_params *)params)->fill : 0;
-    const double stored =
-        !given && vv_type_is_float(info->type) ? (double)NAN : (value - info->value_offset) / info->value_scale;
-    vvi_samples_from_f64(fill, &stored, info->type, 1);
 }
 
 typedef struct shared {
@@ -233,9 +236,7 @@ typedef struct shared {
 static void fill_samples(char *out, const shared *s, int64_t n)
 {
     const vv_field_info *info = vv_field_get_info(s->making.in);
-    const size_t each = vv_type_bytes(info->type);
-    for (int64_t i = 0; i < n * info->components; i++)
-        memcpy(out + (size_t)i * each, s->fill, each);
+    vvi_fill_numbers(out, s->fill, vv_type_bytes(info->type), n * info->components);
 }
 
 static size_t numbers_of_row(const shared *s)
@@ -412,11 +413,10 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     *out = NULL;
     if (onto)
         infos[1] = *vv_field_get_info(inputs[1]);
-    const vv_status st = choose(&map, &kernel, infos, onto, params);
-    if (st != VV_OK)
+    vv_status st = choose(&map, &kernel, infos, onto, params);
+    if (st != VV_OK || (st = find_fill(fill, &infos[0], params)) != VV_OK)
         return st;
     const vv_field_info info = resampled(&infos[0], &map);
-    find_fill(fill, &infos[0], params);
     return map.straight ? run_axes(out, inputs[0], &info, &map, kernel, fill, box, job)
                         : vvi_onto_run_box(out, inputs[0], &info, &map.any, kernel, fill, box, job);
 }

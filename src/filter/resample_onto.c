@@ -1,5 +1,6 @@
 #include "filter/resample_onto.h"
 #include "core/memory.h"
+#include "filter/amounts.h"
 #include "grid/alike.h"
 #include "grid/making.h"
 
@@ -146,8 +147,7 @@ static void write_sample(char *out, const shared *s, taps *t, double *sum, vv_ve
     const int components = s->info->components;
     const size_t each = vv_type_bytes(s->info->type);
     if (!find_taps(t, s, at)) {
-        for (int i = 0; i < components; i++)
-            memcpy(out + (size_t)i * each, s->fill, each);
+        vvi_fill_numbers(out, s->fill, each, components);
         return;
     }
     if (s->kernel == VVI_RESAMPLE_NEAREST) {

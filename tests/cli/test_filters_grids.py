@@ -123,4 +123,50 @@ def test_one_grid_is_enough_for_all_time_steps():
     assert (np.load("u.npy") == steps).all()
 
 
+def test_padding_is_that_of_numpy():
+    need_scipy()
+    modes = {"value": dict(mode="constant", constant_values=7), "nearest": dict(mode="edge"), "mirror": dict(mode="reflect"),
+             "wrap": {}}  # older NumPy errs where more is added than there is
+    for kind in KINDS:
+        for shape in ((3, 5, 7), (1, 4, 1)):
+            data = samples(kind, shape)
+            np.save("a.npy", data)
+            for name, how in modes.items():
+                value = ("--value", "7") if name == "value" else ()
+                ok("pad", "a.npy", "-o", "b.npy", "--overwrite", "--x", "2,9", "--y", "0,3", "--z", "4", "--border", name, *value)
+                sides = ((4, 4), (0, 3), (2, 9))
+                want = np.pad(data, sides, **how) if how else data[np.ix_(*(
+                    np.arange(-before, n + behind) % n for n, (before, behind) in zip(shape, sides)))]
+                got = np.load("b.npy")
+                assert got.dtype == want.dtype and (got == want).all(), (kind, shape, name)
+
+
+def test_padding_keeps_places_and_takes_lengths_and_sizes():
+    need_scipy()
+    write("a.nrrd", samples("i2", (4, 5, 6)), [[2 * v for v in d] for d in SKEW], (10, 20, 30))
+    ok("pad", "a.nrrd", "-o", "b.nrrd", "--size", "9,8,4", "--border", "nearest")
+    ok("crop", "b.nrrd", "-o", "c.nrrd", "--x", "1..6", "--y", "1..5")
+    ok("convert", "a.nrrd", "-o", "d.nrrd")
+    assert read("b.nrrd").shape == (4, 8, 9)
+    said, was = ok("info", "c.nrrd", "--json").json, ok("info", "d.nrrd", "--json").json
+    assert said["dims"] == was["dims"] and np.allclose(said["origin"], was["origin"]), (said["origin"], was["origin"])
+    assert (read("c.nrrd") == read("a.nrrd")).all()
+    write("e.nrrd", samples("i2", (4, 5, 6)), ((0.5, 0, 0), (0, 1, 0), (0, 0, 2)))
+    ok("pad", "e.nrrd", "-o", "f.nrrd", "--all", "2mm")
+    assert read("f.nrrd").shape == (6, 9, 14)
+    says(fails(2, "pad", "e.nrrd", "-o", "x.nrrd", "--size", "3,9,9"), "at least 6")
+    says(fails(2, "pad", "e.nrrd", "-o", "x.nrrd", "--x", "2.5"), "whole number")
+    says(fails(2, "pad", "e.nrrd", "-o", "x.nrrd", "--x", "1", "--value", "1e6"), "i16", "32767")
+
+
+def test_padding_in_little_memory_is_the_same():
+    need_scipy()
+    write("a.nrrd", samples("f4", (120, 121, 119)))
+    for border in ("value", "nearest", "mirror", "wrap"):
+        words = ("pad", "a.nrrd", "--all", "5,8", "--border", border, "--overwrite", "-o")
+        ok(*words, "whole.nrrd")
+        ok(*words, "parts.nrrd", "--memory", "16M")
+        assert open("whole.nrrd", "rb").read() == open("parts.nrrd", "rb").read(), border
+
+
 main()
