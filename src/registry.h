@@ -20,6 +20,7 @@ extern const vv_image_format vvi_image_format_tiff, vvi_image_format_webp, vvi_i
 extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_format_off, vvi_mesh_format_obj;
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
 extern const vv_operation vvi_operation_channel;
+extern const vv_operation vvi_operation_merge;
 extern const vv_operation vvi_operation_crop;
 extern const vv_operation vvi_operation_pad;
 extern const vv_operation vvi_operation_flip;

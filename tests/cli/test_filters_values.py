@@ -121,4 +121,47 @@ def test_clamp_and_mask_in_little_memory_are_the_same():
     in_little_memory("mask", "mask=m.npy")
 
 
+def merged(*words):
+    ok("merge", *words, "-o", "b.nrrd", "--overwrite")
+    ok("convert", "b.nrrd", "-o", "b.npy", "--overwrite")
+    return np.load("b.npy")
+
+
+def test_merging_gives_the_channels_one_after_the_other():
+    need_numpy()
+    both = {("u1", "u1"): "u1", ("u1", "i1"): "i2", ("u2", "u1"): "u2", ("i4", "u4"): "i8", ("u8", "i8"): "f8", ("u2", "f4"): "f4",
+            ("i4", "f4"): "f8", ("f8", "f8"): "f8"}
+    for (a, b), kind in both.items():
+        np.save("p.npy", samples(a))
+        np.save("q.npy", samples(b, seed=5))
+        for word in ("p", "q"):  # as volumes, which .npy files do not tell from others
+            ok("convert", word + ".npy", "-o", word + ".nrrd", "--overwrite")
+        got = merged("p.nrrd", "q.nrrd", "p.nrrd")
+        want = np.stack([samples(a), samples(b, seed=5), samples(a)], -1).astype(kind)
+        same(got.reshape(want.shape), want, (a, b))
+    large = np.array([[[2**63 - 1, -(2**63), 2**60 + 1]]], "i8")
+    np.save("p.npy", large)
+    np.save("q.npy", np.array([[[2**32 - 1, 0, 5]]], "u4"))
+    got = merged("p.npy", "q.npy").reshape(3, 2)
+    assert (got[:, 0] == large.ravel()).all() and (got[:, 1] == [2**32 - 1, 0, 5]).all()
+
+
+def test_merged_channels_have_the_names_that_inputs_were_given():
+    need_numpy()
+    np.save("p.npy", samples("u1"))
+    merged("ct=p.npy", "pet=p.npy")
+    said = ok("info", "b.nrrd", "--json").json
+    assert [c["name"] for c in said["channels"]] == ["ct", "pet"], said
+    assert ok("channel", "b.nrrd", "-o", "c.npy", "--overwrite", "--channel", "pet")
+    says(fails(2, "merge", "p.npy", "p.npy", "--names", "a,b,c", "-o", "x.nrrd"), "expected 2")
+    says(fails(2, "merge", "p.npy", "-o", "x.nrrd"), "merge")
+    np.save("small.npy", samples("u1", (1, 2, 3)))
+    says(fails(2, "merge", "p.npy", "small.npy", "-o", "x.nrrd"), "resample it first")
+
+
+def test_merging_in_little_memory_is_the_same():
+    need_numpy()
+    in_little_memory("merge", "m.npy", memory="20M")
+
+
 main()
