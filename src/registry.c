@@ -33,6 +33,7 @@ static const vv_operation *const operations[] = {
     &vvi_operation_flip,
     &vvi_operation_reorient,
     &vvi_operation_resample,
+    &vvi_operation_project,
     &vvi_operation_rescale,
     &vvi_operation_clamp,
     &vvi_operation_gaussian,

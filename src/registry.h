@@ -26,6 +26,7 @@ extern const vv_operation vvi_operation_pad;
 extern const vv_operation vvi_operation_flip;
 extern const vv_operation vvi_operation_reorient;
 extern const vv_operation vvi_operation_resample;
+extern const vv_operation vvi_operation_project;
 extern const vv_operation vvi_operation_rescale;
 extern const vv_operation vvi_operation_clamp;
 extern const vv_operation vvi_operation_gaussian;

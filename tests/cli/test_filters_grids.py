@@ -169,4 +169,68 @@ def test_padding_in_little_memory_is_the_same():
         assert open("whole.nrrd", "rb").read() == open("parts.nrrd", "rb").read(), border
 
 
+def projected(data, axis, method, thick, sliding):
+    n = data.shape[axis]
+    slabs = [(max(k - thick // 2, 0), min(k - thick // 2 + thick, n)) for k in range(n)] if sliding else \
+            [(k, min(k + thick, n)) for k in range(0, n, thick)]
+    name = {"maximum": "max", "minimum": "min", "deviation": "std"}.get(method, method)
+    how = getattr(np, ("nan" if data.dtype.kind == "f" else "") + name)
+    slices = [how(np.take(data, range(lo, hi), axis).astype(data.dtype if name in ("max", "min") else "f8"), axis=axis)
+              for lo, hi in slabs]
+    return np.stack(slices, axis)
+
+
+def test_projections_are_those_of_numpy():
+    need_scipy()
+    for kind in KINDS:
+        data = samples(kind, (6, 7, 9))
+        if kind in ("u8", "i8"):
+            data[2] += np.array(2**60 + 1, kind)
+        if data.dtype.kind == "f":
+            data[1:3, 4, 5] = np.nan
+        np.save("a.npy", data)
+        for axis, name in enumerate("zyx"):
+            for method in ("maximum", "minimum", "mean", "sum", "deviation", "median"):
+                for thick, sliding in ((99, False), (4, False), (3, True)):
+                    words = ("--slab", thick) * (thick < 99) + ("--sliding",) * sliding
+                    ok("project", "a.npy", "-o", "b.npy", "--overwrite", "--axis", name, "--method", method, *words)
+                    got, want = np.load("b.npy"), projected(data, axis, method, thick, sliding)
+                    kept = method in ("maximum", "minimum", "median")
+                    assert not kept or got.dtype == data.dtype, (kind, got.dtype)
+                    got = got.reshape(want.shape)  # a short x has a channel beside it
+                    room = 0.5 if method == "median" and data.dtype.kind != "f" else 0 if kept and method != "median" else 1e-5
+                    if data.dtype.itemsize == 8 and data.dtype.kind != "f" and method != "maximum" and method != "minimum":
+                        assert np.allclose(got.astype("f8"), want, rtol=1e-12, atol=0.01 * 2**60 if method == "deviation" else 0.5)
+                    elif kept and not room:
+                        assert np.array_equal(got, want), (kind, name, method, thick)
+                    else:
+                        assert np.abs(got.astype("f8") - want).max() <= room * max(1, np.abs(want).max()), (kind, name, method, thick)
+
+
+def test_projections_lie_in_the_middle_of_their_slabs():
+    need_scipy()
+    data = samples("f4", (9, 5, 6))
+    write("a.nrrd", data, SKEW, (10, 20, 30))
+    ok("project", "a.nrrd", "-o", "b.nrrd", "--method", "mean")
+    said = ok("info", "b.nrrd", "--json").json
+    assert said["dims"] == [6, 5, 1] and np.allclose(said["origin"], np.array([10, 20, 30]) + 4 * np.array(SKEW[2])), said
+    ok("project", "a.nrrd", "-o", "c.nrrd", "--slab", "3")
+    said = ok("info", "c.nrrd", "--json").json
+    assert said["dims"] == [6, 5, 3] and np.allclose(said["origin"], np.array([10, 20, 30]) + np.array(SKEW[2])), said
+    assert np.allclose(said["spacing"][2], 3 * np.linalg.norm(SKEW[2])), said
+    says(fails(2, "project", "a.nrrd", "-o", "x.nrrd", "--sliding"), "--slab")
+    says(fails(2, "project", "a.nrrd", "-o", "x.nrrd", "--slab", "0"), "less than one")
+
+
+def test_projecting_in_little_memory_is_the_same():
+    need_scipy()
+    write("a.nrrd", samples("f4", (120, 121, 119)))
+    for axis in "xyz":
+        for method in ("mean", "deviation", "median"):
+            words = ("project", "a.nrrd", "--axis", axis, "--method", method, "--overwrite", "-o")
+            ok(*words, "whole.nrrd")
+            ok(*words, "parts.nrrd", "--memory", "24M")
+            assert open("whole.nrrd", "rb").read() == open("parts.nrrd", "rb").read(), (axis, method)
+
+
 main()

@@ -45,6 +45,22 @@ static void padding_is_the_same_in_all_ways(void **state)
     all_ways(&vvi_operation_pad, settings, VV_TYPE_U16, 1, 9, 1);
 }
 
+static void projecting_is_the_same_in_all_ways(void **state)
+{
+    static const char *const axes[] = {"x", "y", "z"};
+    static const char *const methods[] = {"maximum", "minimum", "mean", "sum", "deviation", "median"};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        for (int a = 0; a < 3; a++)
+            for (int m = 0; m < 6; m++) {
+                char all[60], some[80], each[100];
+                snprintf(all, sizeof all, "axis=\"%s\";method=\"%s\"", axes[a], methods[m]);
+                snprintf(some, sizeof some, "%s;slab=\"4\"", all);
+                snprintf(each, sizeof each, "%s;slab=\"3\";sliding=true", all);
+                const char *const settings[] = {all, some, each, NULL};
+                all_ways(&vvi_operation_project, settings, type, 13, 11, 7);
+            }
+}
+
 static void padding_is_where_it_was(void **state)
 {
     vv_field *in = random_field(VV_TYPE_F32, 5, 4, 3, 1), *out;
@@ -63,6 +79,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(padding_is_the_same_in_all_ways),
+        cmocka_unit_test(projecting_is_the_same_in_all_ways),
         cmocka_unit_test(padding_is_where_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
