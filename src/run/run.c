@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/os.h"
 #include "grid/field.h"
+#include "grid/lazy.h"
 #include "grid/true_values.h"
 #include "io/file_stream.h"
 #include "io/format.h"
@@ -26,6 +27,13 @@ int64_t vvi_run_frames(const vv_run_input *in)
     return in->field || !in->file ? 1 : vv_file_info(in->file)->n_frames;
 }
 
+/* Whether nothing but the header of an input is asked for. */
+static bool is_grid_only(const vv_run *r, size_t input)
+{
+    const vv_operand *o = r->n_steps ? vv_operation_operand(r->steps[0].operation, input) : NULL;
+    return o && o->grid_only;
+}
+
 static vv_status choose_frames(vv_run *r)
 {
     const int64_t n = vvi_run_frames(&r->inputs[0]);
@@ -33,7 +41,7 @@ static vv_status choose_frames(vv_run *r)
     r->first_frame = chosen ? r->inputs[0].frame : 0;
     r->about.n_frames = r->n_results = chosen ? 1 : n;
     for (size_t i = 1; i < r->n_inputs && r->about.n_frames > 1; i++) {
-        const int64_t there = vvi_run_frames(&r->inputs[i]);
+        const int64_t there = is_grid_only(r, i) ? 1 : vvi_run_frames(&r->inputs[i]);
         if (r->inputs[i].frame < 0 && there != 1 && there != n)
             return vv_fail_at(VV_E_ARGUMENT, r->inputs[i].name, NULL,
                               "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
@@ -146,7 +154,7 @@ static vv_status plan_reading(vv_run *r)
         const vv_status st = is_gap(in) ? VV_OK : vv_field_info_bytes(&bytes, info_of(in));
         if (st != VV_OK)
             return st;
-        if (in->file && !in->field && !vv_file_mappable(in->file))
+        if (!is_grid_only(r, i) && in->file && !in->field && !vv_file_mappable(in->file))
             r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
     }
     return VV_OK;
@@ -243,6 +251,25 @@ int64_t vvi_run_frame(const vv_run *r, const vv_run_input *in, int64_t index)
     return vvi_run_frames(in) > 1 ? r->first_frame + index : 0;
 }
 
+static vv_status refuse_samples(vv_field **out, void *user, const vv_box *box, vv_job *job)
+{
+    *out = NULL;
+    return vv_fail(VV_E_UNSUPPORTED, "the samples of an input were asked for, of which only the grid is known");
+}
+
+/* A field that has no samples. */
+static vv_status grid_of(vv_field **out, const vv_field_info *info, vv_job *job)
+{
+    const vvi_lazy_source none = {.make = refuse_samples};
+    vvi_lazy_pool *pool;
+    *out = NULL;
+    vv_status st = vvi_lazy_pool_new(&pool, 1, job);
+    if (st == VV_OK)
+        st = vvi_field_lazy(out, info, &none, pool, job);
+    vvi_lazy_pool_release(pool);
+    return st;
+}
+
 static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64_t index)
 {
     const vv_run_input *in = &r->inputs[input];
@@ -253,6 +280,8 @@ static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64
         *out = in->field ? vv_field_retain(in->field) : NULL;
         return VV_OK;
     }
+    if (is_grid_only(r, input))
+        return grid_of(out, vv_file_info(file), r->job);
     return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
                              : vv_file_read(out, file, frame, NULL, r->job);
 }

@@ -127,6 +127,8 @@ typedef struct vv_operand {
     size_t least, most; /**< how many: 1 and 1, unless it is optional or several. Only the last of a row is several */
     const char *doc;
     const char *names; /**< of several that people name as they like: the parameter of the names, as in "a,b" */
+    bool names_labels; /**< labels that parameters name are those of its file; where no operand says so, of the first */
+    bool grid_only;    /**< only where its samples lie is looked at: none is read, and any time step will do */
 } vv_operand;
 
 /** The commonest inputs: one volume, one mesh. */
