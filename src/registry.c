@@ -43,6 +43,7 @@ static const vv_operation *const operations[] = {
     &vvi_operation_unsharp,
     &vvi_operation_gradient,
     &vvi_operation_laplacian,
+    &vvi_operation_vesselness,
     &vvi_operation_threshold,
     &vvi_operation_components,
     &vvi_operation_fill_holes,

@@ -36,6 +36,7 @@ extern const vv_operation vvi_operation_top_hat;
 extern const vv_operation vvi_operation_unsharp;
 extern const vv_operation vvi_operation_gradient;
 extern const vv_operation vvi_operation_laplacian;
+extern const vv_operation vvi_operation_vesselness;
 extern const vv_operation vvi_operation_threshold;
 extern const vv_operation vvi_operation_components;
 extern const vv_operation vvi_operation_fill_holes;
