@@ -46,6 +46,7 @@ extern const vv_operation vvi_operation_diffuse;
 extern const vv_operation vvi_operation_denoise;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
+extern const vv_operation vvi_operation_watershed;
 extern const vv_operation vvi_operation_isosurface;
 extern const vv_operation vvi_operation_simplify;
 extern const vv_operation vvi_operation_smooth;

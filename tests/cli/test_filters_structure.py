@@ -1,4 +1,5 @@
 """Filters that look for structure, against NumPy, SciPy and scikit-image: odd sizes, all types, missing values."""
+import heapq
 from harness import Skip, main, ok, volvis
 
 try:
@@ -6,6 +7,10 @@ try:
     from scipy import ndimage
 except ImportError:
     np = None
+try:
+    from skimage import morphology, segmentation
+except ImportError:
+    segmentation = None
 
 KINDS = "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"
 
@@ -13,6 +18,12 @@ KINDS = "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"
 def need_scipy():
     if np is None:
         raise Skip("SciPy is not there")
+
+
+def need_skimage():
+    need_scipy()
+    if segmentation is None:
+        raise Skip("scikit-image is not there")
 
 
 def blobs(kind, shape, seed=1):
@@ -128,6 +139,149 @@ def test_vesselness_of_parts_and_by_any_number_of_threads_is_the_same():
     data = blobs("u2", (90, 100, 101))
     same_in_little_memory(data, "16M", "vesselness", "--sigma", "1", "--sigma-most", "2", "--scales", "2")
     same_by_any_number_of_threads(blobs("f4", (31, 17, 45)), "vesselness", "--output", "scale")
+
+
+def watershed(data, *options, **inputs):
+    np.save("a.npy", data)
+    words = []
+    for name, other in inputs.items():
+        np.save(f"{name}.npy", other)
+        words.append(f"{name}={name}.npy")
+    ok("watershed", "a.npy", "-o", "b.npy", "--overwrite", *words, *options)
+    return np.load("b.npy")
+
+
+def reals(shape, seed=1):
+    """Smooth, and no two alike."""
+    return ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=shape), [1.2 if n > 1 else 0 for n in shape])
+
+
+def minima(data, axes):
+    """Labelled, in the order of their first voxels; of data without plateaus."""
+    neighbours = ndimage.generate_binary_structure(3, axes)
+    return ndimage.label(ndimage.minimum_filter(data, footprint=neighbours, mode="nearest") == data, neighbours)[0]
+
+
+def largest_first(labels):
+    sizes = np.bincount(labels.ravel())[1:]
+    rank = np.zeros(sizes.size + 1, "u4")
+    rank[1 + np.lexsort((np.arange(sizes.size), -sizes))] = np.arange(1, sizes.size + 1)
+    return rank[labels]
+
+
+def test_watershed_of_minima_is_that_of_scikit_image():
+    need_skimage()
+    for shape in (9, 14, 23), (1, 21, 40), (17, 1, 13):
+        for axes, connectivity in (1, "6"), (2, "18"), (3, "26"):
+            for lines in (), ("--lines",):
+                data = reals(shape)
+                structure = ndimage.generate_binary_structure(3, axes)
+                want = segmentation.watershed(data, minima(data, axes), structure, watershed_line=bool(lines))
+                got = watershed(data, "--connectivity", connectivity, *lines)
+                assert got.dtype == "u4" and (got == largest_first(want)).all() and got.max() > 3, (shape, connectivity, lines)
+                assert (watershed(-data, "--connectivity", connectivity, "--bright", *lines) == got).all()
+
+
+def flooded(data, markers, axes, lines=False, mask=None):
+    """By a queue of all voxels at once: by height, but not below the flood's, then in the order of arrival."""
+    offsets = [o for differ in range(1, axes + 1) for o in np.ndindex(3, 3, 3) if sum(x != 1 for x in o) == differ]
+    label = np.where(markers if mask is None else np.where(mask, markers, 0), markers, 0).astype("i8")
+    if mask is not None:
+        label[~mask] = -1
+    queue, age = [], 0
+    for at in zip(*np.nonzero(label > 0)):
+        heapq.heappush(queue, (data[at], age, at))
+        age += 1
+
+    def around(at):
+        for o in offsets:
+            there = tuple(a + x - 1 for a, x in zip(at, o))
+            if all(0 <= t < n for t, n in zip(there, data.shape)):
+                yield there
+
+    while queue:
+        level, _, at = heapq.heappop(queue)
+        if label[at] == -2:
+            labels = {label[there] for there in around(at) if label[there] > 0}
+            label[at] = labels.pop() if len(labels) == 1 else -3
+        if label[at] == -3:
+            continue
+        for there in around(at):
+            if label[there] == 0:
+                label[there] = -2 if lines else label[at]
+                heapq.heappush(queue, (max(level, data[there]), age, there))
+                age += 1
+    return np.where(label > 0, label, 0)
+
+
+def test_watershed_from_markers_shares_plateaus_by_distance():
+    need_scipy()
+    shape = (6, 13, 17)
+    random = np.random.default_rng(5)
+    markers = np.where(random.random(shape) < 0.01, random.integers(1, 9, shape), 0)
+    mask = random.random(shape) < 0.9
+    for t, kind in enumerate(KINDS):
+        data = (reals(shape) * 20 + 30).clip(0, 60).astype(kind)
+        axes, connectivity = ((1, "6"), (2, "18"), (3, "26"))[t % 3]
+        marked = markers.astype(("u1", "i2", "u4", "f4", "i8")[t % 5])
+        got = watershed(data, "--connectivity", connectivity, markers=marked)
+        assert (got == flooded(data, markers, axes)).all(), kind
+        got = watershed(data, "--connectivity", connectivity, "--lines", markers=marked, mask=mask.astype("f4"))
+        assert (got == flooded(data, markers, axes, True, mask)).all(), kind
+    flat = np.zeros((1, 1, 9), "u1")
+    ends = flat.copy()
+    ends[0, 0, 0], ends[0, 0, 8] = 7, 4
+    assert watershed(flat, markers=ends).ravel().tolist() == [7] * 5 + [4] * 4
+    assert watershed(flat, "--lines", markers=ends).ravel().tolist() == [7] * 4 + [0] + [4] * 4
+
+
+def test_shallow_basins_become_part_of_others():
+    need_skimage()
+    data = reals((12, 25, 27), 3)
+    everything = watershed(data, "--connectivity", "26")
+    for depth in 0.1, 0.3, 0.6:
+        # what is left of minima when everything less deep is filled (Soille's h-minima), by reconstruction
+        filled = morphology.reconstruction(data + depth, data, "erosion", np.ones((3, 3, 3)))
+        left, n = ndimage.label(morphology.local_minima(filled, connectivity=3), np.ones((3, 3, 3)))
+        got = watershed(data, "--connectivity", "26", "--depth", str(depth))
+        assert got.max() == n < everything.max(), (depth, got.max(), n)
+        for part in range(1, n + 1):  # each is in one basin, and no two in the same
+            assert len(np.unique(got[left == part])) == 1
+        assert len(np.unique([got[left == part][0] for part in range(1, n + 1)])) == n
+        for basin in range(1, everything.max() + 1):  # basins are never cut
+            assert len(np.unique(got[everything == basin])) == 1
+
+
+def test_watershed_of_all_types_and_of_parts_is_the_same():
+    need_scipy()
+    shape = (8, 15, 22)
+    whole = (reals(shape) * 20 + 40).clip(0, 100).round()
+    want = watershed(whole.astype("u1"), "--depth", "3", "--range", "20..70")
+    assert want.max() > 2 and ((want > 0) <= ((whole >= 20) & (whole <= 70))).all()
+    for kind in KINDS[1:]:
+        data = whole.astype(kind)
+        if kind[0] == "f":
+            data[data < 20] = np.nan
+            data[data > 70] = np.nan
+            data[data == 0] = -0.0
+        assert (watershed(data, "--depth", "3", *(() if kind[0] == "f" else ("--range", "20..70"))) == want).all(), kind
+    same_by_any_number_of_threads(whole, "watershed", "--lines", "--depth", "2")
+
+
+def test_watershed_says_what_it_cannot_do():
+    need_scipy()
+    np.save("a.npy", np.zeros((4, 5, 6), "u1"))
+    np.save("m.npy", np.full((4, 5, 6), -1, "i2"))
+    np.save("n.npy", np.zeros((4, 5, 7), "u1"))
+    for words, part in ((("markers=m.npy",), "whole numbers from 0"), (("markers=n.npy",), "markers"),
+                        (("markers=a.npy",), "there is no basin"), (("mask=n.npy",), "mask"),
+                        (("markers=a.npy", "--depth", "3"), "leave it out"), (("--range", "x"), "range")):
+        result = volvis("watershed", "a.npy", "-o", "b.npy", "--overwrite", *words)
+        assert result.code != 0 and part in result.message, (words, result.message)
+    np.save("c.npy", np.zeros((200, 200, 200), "u1"))
+    result = volvis("watershed", "c.npy", "-o", "b.npy", "--overwrite", "--memory", "60M")
+    assert result.code != 0 and "memory" in result.message, result.message
+    assert ok("watershed", "a.npy", "mask=a.npy", "-o", "b.npy", "--overwrite", "--json").json["basins"] == 0
 
 
 main()
