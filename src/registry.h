@@ -47,6 +47,7 @@ extern const vv_operation vvi_operation_denoise;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
 extern const vv_operation vvi_operation_watershed;
+extern const vv_operation vvi_operation_skeleton;
 extern const vv_operation vvi_operation_isosurface;
 extern const vv_operation vvi_operation_simplify;
 extern const vv_operation vvi_operation_smooth;

@@ -284,4 +284,84 @@ def test_watershed_says_what_it_cannot_do():
     assert ok("watershed", "a.npy", "mask=a.npy", "-o", "b.npy", "--overwrite", "--json").json["basins"] == 0
 
 
+def euler(mask):
+    """Of closed cubes: corners - edges + faces - cubes."""
+    total = 0
+    wide = np.pad(mask, 1)
+    for code in np.ndindex(2, 2, 2):  # 1: the cell spans the voxel along this axis, 0: it lies between two
+        cells = wide
+        for axis, spans in enumerate(code):
+            if not spans:
+                cells = np.delete(cells, 0, axis) | np.delete(cells, -1, axis)
+        total += (-1) ** sum(code) * int(cells.sum())
+    return total
+
+
+def topology(mask):
+    """Parts, cavities, tunnels."""
+    parts = ndimage.label(mask, np.ones((3, 3, 3)))[1]
+    cavities = ndimage.label(np.pad(~mask, 1, constant_values=True))[1] - 1
+    return parts, cavities, parts + cavities - euler(mask)
+
+
+def skeleton(data, *options):
+    return filtered(data, "skeleton", *options)
+
+
+def test_skeletons_hang_together_as_their_labels_do():
+    need_scipy()
+    for t, shape in enumerate(((19, 23, 31), (1, 40, 37), (16, 1, 29), (24, 24, 1), (1, 1, 20))):
+        for level in -0.1, 0.0, 0.15:
+            data = reals(shape, t) > level
+            got = skeleton(data.astype(KINDS[(t * 3 + int(level * 20)) % 8]))
+            assert (got <= data).all() and got.any() and got.sum() < 0.5 * data.sum() or 1 in shape, (shape, level)
+            assert topology(got > 0) == topology(data), (shape, level, topology(got > 0), topology(data))
+            assert (skeleton(got) == got).all(), (shape, level)
+
+
+def test_skeletons_of_known_shapes_are_their_axes():
+    need_scipy()
+    z, y, x = np.mgrid[0:25, 0:41, 0:51].astype("f8")
+    ball = (x - 25) ** 2 + (y - 20) ** 2 + (z - 12) ** 2 <= 100
+    got = skeleton(ball.astype("u1"))
+    assert got.sum() <= 3 and got[11:14, 19:22, 24:27].sum() == got.sum(), np.argwhere(got)
+    ring = (np.hypot(x - 25, y - 20) - 14) ** 2 + (z - 12) ** 2 <= 16
+    got = np.argwhere(skeleton(ring.astype("u1"))).astype("f8")
+    away = np.hypot(np.hypot(got[:, 2] - 25, got[:, 1] - 20) - 14, got[:, 0] - 12)
+    assert topology(skeleton(ring.astype("u1")) > 0) == (1, 0, 1) and away.max() < 1.6 and len(got) > 50, away.max()
+    bar = (abs(z - 12) <= 2) & (abs(y - 20) <= 2) & (x > 4) & (x < 46)
+    got = np.argwhere(skeleton(bar.astype("u1")))
+    assert (abs(got[:, 0] - 12) <= 1).all() and (abs(got[:, 1] - 20) <= 1).all(), got
+    assert len(got) >= 36 and len(set(got[:, 2])) == len(got)
+    shell = (ball & ((x - 25) ** 2 + (y - 20) ** 2 + (z - 12) ** 2 > 64)).astype("u1")
+    assert topology(skeleton(shell) > 0) == (1, 1, 0)
+
+
+def test_each_label_is_thinned_by_itself():
+    need_scipy()
+    data = np.zeros((9, 12, 30), "i4")
+    data[2:7, 3:8, 2:15] = 70000
+    data[2:7, 3:8, 15:28] = -5
+    got = skeleton(data)
+    for label in 70000, -5:
+        assert ((got == label) == (skeleton((data == label).astype("u1")) > 0)).all()
+    assert set(np.unique(got)) == {0, 70000, -5}
+    values = np.where(data, 2.5, np.nan).astype("f4")
+    assert (skeleton(values, "--range", "2..3") == skeleton((data != 0).astype("u1"))).all()
+    same_by_any_number_of_threads((reals((20, 30, 40)) > 0).astype("u2"), "skeleton")
+    np.save("a.npy", values)
+    result = volvis("skeleton", "a.npy", "-o", "b.npy", "--overwrite")
+    assert result.code != 0 and "--range" in result.message, result.message
+
+
+def test_skeletons_are_near_those_of_scikit_image():
+    need_skimage()
+    for seed in 1, 2:
+        data = ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=(30, 40, 50)), 2.5) > 0.02
+        ours, theirs = skeleton(data.astype("u1")) > 0, morphology.skeletonize_3d(data) > 0
+        assert 0.6 < ours.sum() / theirs.sum() < 1.6, (ours.sum(), theirs.sum())
+        far = ndimage.distance_transform_edt(~theirs)[ours]
+        assert np.mean(far <= 2) > 0.9, np.mean(far <= 2)
+
+
 main()
