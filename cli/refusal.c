@@ -53,6 +53,25 @@ static bool any_is_set(vvi_text *as_options, const vv_object *params, const char
     return any;
 }
 
+/* Of "method=hysteresis|range": whether the enumeration has one of these values, or is none of the class. */
+static bool acts(const vv_object *params, const char *when, char name_out[64], const char **value_out)
+{
+    const size_t length = strcspn(when, "=");
+    snprintf(name_out, 64, "%.*s", (int)length, when);
+    const vv_property *row = vv_class_find(params->cls, name_out);
+    if (!row || row->kind != VV_KIND_ENUM)
+        return true;
+    *value_out = row->names[*(const int *)((const char *)params + row->offset)];
+    const size_t n = strlen(*value_out);
+    cli_option_name(name_out, row);
+    for (const char *at = when + length + 1;; at += strcspn(at, "|") + 1) {
+        if (strcspn(at, "|") == n && memcmp(at, *value_out, n) == 0)
+            return true;
+        if (!strchr(at, '|'))
+            return false;
+    }
+}
+
 vv_status cli_refuse_idle(const cli_command *command, const vv_object *params, const char *data)
 {
     static const char of_data[] = "data=";
@@ -60,7 +79,8 @@ vv_status cli_refuse_idle(const cli_command *command, const vv_object *params, c
     for (const vv_property *row = params->cls->properties; row->name && st == VV_OK; row++) {
         const bool asks_data = row->when && strncmp(row->when, of_data, sizeof of_data - 1) == 0;
         const char *wanted = asks_data ? row->when + sizeof of_data - 1 : NULL;
-        char option[64];
+        char option[64], name[64];
+        const char *value = "";
         vvi_text others = {0};
         cli_option_name(option, row);
         if (!row->when || !vv_object_is_set(params, row->name))
@@ -68,6 +88,9 @@ vv_status cli_refuse_idle(const cli_command *command, const vv_object *params, c
         if (wanted && data && strcmp(wanted, data) != 0)
             st = vv_fail(VV_E_ARGUMENT, "--%s does nothing to the surface of %s: it is for that of %s; omit it", option,
                          data, wanted);
+        else if (!asks_data && strchr(row->when, '=') && !acts(params, row->when, name, &value))
+            st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with --%s %s: it is for %s; omit it", option, name, value,
+                         strchr(row->when, '=') + 1);
         else if (!strchr(row->when, '=') && !any_is_set(&others, params, row->when))
             st = vv_fail(VV_E_ARGUMENT, "--%s does nothing without %s: give that too, or omit it", option, others.s);
         vvi_text_free(&others);
