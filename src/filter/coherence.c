@@ -65,7 +65,8 @@ typedef struct shared {
     void *data[2];
     bool wide;
     vvi_slabs slabs;
-    vv_vec3 row[3];
+    vv_vec3 row[3], normal; /* of the plane, where there are two axes */
+    int axes;
     double voxel;
     vv_brick samples; /* of the input */
     vv_brick slopes, smooth;
@@ -218,27 +219,35 @@ static vv_status make_structure(shared *s)
     return st;
 }
 
-/* How much flows along a direction. */
-static double conductance(double most, double own, const vvi_coherence *c)
+/* Which way a structure goes, and how much its eigenvalues differ: of a plane, in it. */
+static double find_direction(vv_vec3 *along, const double m[TENSORS], const shared *s)
 {
-    const double away = most - own, u = c->edge * c->edge / away;
-    return away > 0 ? c->alpha + (1 - c->alpha) * exp(-u * u) : c->alpha;
+    double v[3];
+    vv_vec3 vector[3];
+    vvi_symmetric_eigen(v, vector, m);
+    *along = vector[0];
+    if (s->axes == 3)
+        return (v[0] - v[1]) * (v[0] - v[1]) + (v[1] - v[2]) * (v[1] - v[2]) + (v[2] - v[0]) * (v[2] - v[0]);
+    if (s->axes < 2)
+        return v[0] * 0;
+    *along = vvi_cross(s->normal, vector[2]);
+    const double x = along->x, y = along->y, z = along->z;
+    const double own = m[VVI_XX] * x * x + m[VVI_YY] * y * y + m[VVI_ZZ] * z * z +
+                       2 * (m[VVI_XY] * x * y + m[VVI_XZ] * x * z + m[VVI_YZ] * y * z);
+    return (v[2] - own) * (v[2] - own);
 }
 
 /* Of a structure, the diffusion by index axes; none where it is not known. */
 static void diffusion_of(double d[TENSORS], const double m[TENSORS], const shared *s)
 {
     static const int first[TENSORS] = {0, 1, 2, 0, 0, 1}, other[TENSORS] = {0, 1, 2, 1, 2, 2};
-    double value[3];
-    vv_vec3 vector[3];
-    vvi_symmetric_eigen(value, vector, m);
-    memset(d, 0, TENSORS * sizeof *d);
-    for (int i = 0; i < 3 && !isnan(value[0]); i++) {
-        const double flows = conductance(value[2], value[i], s->c);
-        const double along[3] = {vvi_dot(s->row[0], vector[i]), vvi_dot(s->row[1], vector[i]),
-                                 vvi_dot(s->row[2], vector[i])};
-        for (int e = 0; e < TENSORS; e++)
-            d[e] += flows * along[first[e]] * along[other[e]];
+    const double alpha = s->c->alpha, least = pow(s->c->edge, 4);
+    vv_vec3 v;
+    const double coherence = find_direction(&v, m, s);
+    const double more = coherence > 0 ? (1 - alpha) * exp(-least / coherence) : 0;
+    for (int e = 0; e < TENSORS; e++) {
+        const vv_vec3 a = s->row[first[e]], b = s->row[other[e]];
+        d[e] = isnan(coherence) ? 0 : alpha * vvi_dot(a, b) + more * vvi_dot(a, v) * vvi_dot(b, v);
     }
 }
 
@@ -371,6 +380,11 @@ vv_status vvi_coherence_run(void *out, const vv_field *in, int component, const 
     one.value_scale = 1;
     one.value_offset = 0;
     find_rows(s.row, &info->grid);
+    for (int a = 0; a < 3; a++) {
+        s.axes += info->grid.dims[a] > 1;
+        s.normal = vvi_add(s.normal, vvi_cross(s.row[a], s.row[(a + 1) % 3])); /* one of them is not 0 in a plane */
+    }
+    vvi_unit(&s.normal);
     vv_status st = VV_OK;
     for (int i = 0; i < 2 && st == VV_OK; i++)
         st = vv_field_new_empty(&s.numbers[i], &s.data[i], &one, job);

@@ -21,10 +21,10 @@ vv_status vvi_coherence_plan(const vv_field_info *info, vv_job *job);
 /**
  * One component of all samples of a field, diffused, in a volume of the same samples at `out`.
  *
- * In each step the structure tensor is that of slopes of the smoothed values, smoothed again. Along each of its three
- * directions flows alpha + (1 - alpha) exp(-(edge^2 / (m1 - m))^2), where m is its eigenvalue and m1 the greatest:
- * in two dimensions Weickert's formula, in three also along layers. Fluxes are differences between neighbours, and
- * across of their means; their sum is nothing. Missing samples take no part.
+ * In each step the structure tensor is that of slopes of the smoothed values, smoothed again. Along the direction of
+ * its least eigenvalue flows alpha + (1 - alpha) exp(-edge^4 / k), where k is the sum of the squares of the differences
+ * of eigenvalues; across it flows alpha. In a plane these are the two of the plane. Fluxes are differences between
+ * neighbours, and across of their means; their sum is nothing. Missing samples take no part.
  */
 vv_status vvi_coherence_run(void *out, const vv_field *in, int component, const vvi_coherence *c, vv_job *job);
 #endif

@@ -38,7 +38,7 @@ static const char *const conductance_names[] = {"exponential", "rational", NULL}
 
 static const vv_property properties[] = {
     [ROW_METHOD] = {VV_PROP(diffuse_params, method), .kind = VV_KIND_ENUM, .names = method_names,
-                    .doc = "stop at edges; or flow along structures such as fibres, vessels and layers, which closes "
+                    .doc = "stop at edges; or flow along structures such as fibres, vessels and stripes, which closes "
                            "gaps in them (Weickert)"},
     [ROW_ITERATIONS] = {VV_PROP(diffuse_params, iterations), .kind = VV_KIND_I64, .def = 10, .limited = true, .min = 0,
                         .max = ITERATIONS_MOST, .doc = "number of steps; more of them smooth farther"},

@@ -385,11 +385,15 @@ def coherent(data, iterations, edge, step, sigma, rho, alpha):
         for a in range(3):
             for b in range(3):
                 tensor[..., a, b] = smooth(slopes[a] * slopes[b], rho)
+        flat = [a for a in range(3) if values.shape[a] == 1]
+        for a in flat:  # the axis of one sample is none of the plane's
+            tensor[..., a, a] = 1e9
         value, vector = np.linalg.eigh(tensor)
-        away = value[..., 2:] - value
+        kept = value[..., : 3 - len(flat)]
+        k = sum((kept[..., i] - kept[..., j]) ** 2 for i in range(kept.shape[-1]) for j in range(i))
         with np.errstate(divide="ignore", over="ignore"):
-            flows = np.where(away > 0, alpha + (1 - alpha) * np.exp(-((edge**2 / away) ** 2)), alpha)
-        d = np.einsum("...ia,...a,...ja->...ij", vector, flows, vector)
+            more = np.where(k > 0, (1 - alpha) * np.exp(-(edge**4) / k), 0)
+        d = alpha * np.eye(3) + more[..., None, None] * vector[..., :, None, 0] * vector[..., None, :, 0]
         change = np.zeros(values.shape)
         central = [(shift(values, b, 1) - shift(values, b, -1)) / 2 for b in range(3)]
         for a in range(3):
