@@ -456,7 +456,7 @@ vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *forma
         set_text(&m, dataset, "kind", "mesh");
         if (m.st == VV_OK)
             m.st = vv_dataset_mesh(
-                &mesh, (const vv_dataset *)vv_collection_find(((const vv_world *)m.world)->datasets, id), job);
+                &mesh, NULL, (const vv_dataset *)vv_collection_find(((const vv_world *)m.world)->datasets, id), job);
     }
     if (m.st == VV_OK)
         furnish_mesh(&m, id, mesh);

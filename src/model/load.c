@@ -1,4 +1,4 @@
-/* Samples of datasets: attached ones first, else from the file, kept in the runtime's cache. */
+/* Samples of datasets: attached ones first, else from the file or made of others, kept in the runtime's cache. */
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
@@ -6,6 +6,7 @@
 #include "grid/mesh.h"
 #include "io/mesh_file.h"
 #include "model/dataset.h"
+#include "model/made_data.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -22,21 +23,34 @@ static uint64_t hash_text(const char *text, uint64_t seed)
     return vvi_hash(text ? text : "", text ? strlen(text) + 1 : 0, seed);
 }
 
-/* All that decides what is loaded. A file that changes gets another key; what was loaded before it goes in time. */
-static vvi_cache_key key_of(const char *what, const request *r)
+static uint64_t hash_attached(const struct vv_dataset_fields *fields)
+{
+    const uint64_t identity = fields->n ? vv_field_identity(fields->field[0]) : 0;
+    const uint32_t mesh = fields->mesh ? vv_mesh_checksum(fields->mesh) : 0;
+    return vvi_hash(&mesh, sizeof mesh, vvi_hash(&identity, sizeof identity, 1));
+}
+
+uint64_t vvi_dataset_content(const vv_dataset *d)
 {
     struct stat s;
-    const vv_dataset *d = r->dataset;
+    if (d->fields)
+        return hash_attached(d->fields);
     uint64_t hash = hash_text(d->path, hash_text(d->kind, 0));
     hash = hash_text(d->format, hash);
     hash = hash_text(d->part, hash);
     hash = hash_text(d->raw, hash);
     hash = hash_text(d->checksum, hash);
-    hash = vvi_hash(&r->frame, sizeof r->frame, hash);
-    if (!stat(d->path, &s)) {
+    if (d->path && !stat(d->path, &s)) {
         const int64_t parts[] = {(int64_t)s.st_dev, (int64_t)s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
         hash = vvi_hash(parts, sizeof parts, hash);
     }
+    return hash;
+}
+
+/* All that decides what is loaded. A file that changes gets another key; what was loaded before it goes in time. */
+static vvi_cache_key key_of(const char *what, const request *r)
+{
+    const uint64_t hash = vvi_hash(&r->frame, sizeof r->frame, vvi_dataset_content(r->dataset));
     return (vvi_cache_key){.what = what, .parameters = hash};
 }
 
@@ -160,6 +174,22 @@ static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, in
     return vv_fail(VV_E_NOT_FOUND, "the dataset has no samples: neither a path nor a field in memory");
 }
 
+/* What is made ------------------------------------------------------------------------------------------------- */
+
+bool vv_dataset_is_made(const vv_dataset *dataset)
+{
+    return dataset->operation && !dataset->path && !dataset->fields;
+}
+
+/* NULL, and the thread's error: nothing can be made. */
+static const vvi_made_data *made_data_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = vvi_job_registry(job)->made_data;
+    if (!data || !world)
+        vv_fail(VV_E_UNSUPPORTED, "the dataset is made by %s, of others that are not at hand here", dataset->operation);
+    return world ? data : NULL;
+}
+
 /* Meshes --------------------------------------------------------------------------------------------------------- */
 
 bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
@@ -167,6 +197,8 @@ bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
     const vv_registry *registry = vvi_job_registry(job);
     if (dataset->fields)
         return dataset->fields->mesh;
+    if (vv_dataset_is_made(dataset))
+        return registry->made_data && registry->made_data->is_mesh(dataset, job);
     if (dataset->kind)
         return !strcmp(dataset->kind, "mesh");
     if (!dataset->path || dataset->raw)
@@ -210,14 +242,21 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
 }
 
 /* What cannot be read has neither. */
-static vv_status fail_no_triangles(const vv_dataset *dataset, vv_job *job)
+static vv_status fail_no_triangles(const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vv_field_info info;
-    const vv_status st = dataset->path ? vv_dataset_info(&info, dataset, job) : VV_OK;
+    const vv_status st =
+        dataset->path || vv_dataset_is_made(dataset) ? vv_dataset_info(&info, world, dataset, job) : VV_OK;
     return st != VV_OK ? st : vv_fail_at(VV_E_ARGUMENT, dataset->path, NULL, "the dataset has samples, not triangles");
 }
 
-vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
+static vv_status make_mesh_of_others(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    return data ? data->mesh(out, world, dataset, job) : VV_E_UNSUPPORTED;
+}
+
+vv_status vv_dataset_mesh(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     request r = {dataset, 0};
     vvi_cached *cached = NULL;
@@ -226,8 +265,11 @@ vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
         *out = vv_mesh_retain(dataset->fields->mesh);
         return VV_OK;
     }
-    if (!dataset->path || !vv_dataset_is_mesh(dataset, job))
-        return fail_no_triangles(dataset, job);
+    const bool made = vv_dataset_is_made(dataset);
+    if ((!dataset->path && !made) || !vv_dataset_is_mesh(dataset, job))
+        return fail_no_triangles(world, dataset, job);
+    if (made)
+        return make_mesh_of_others(out, world, dataset, job);
     const vvi_cache_key key = key_of("mesh", &r);
     const vv_status st = vvi_cache_get(&cached, &key, make_mesh, drop_mesh, &r, job);
     if (st != VV_OK)
@@ -241,6 +283,8 @@ static vv_status refuse_mesh(const vv_dataset *dataset, vv_job *job)
 {
     if (!vv_dataset_is_mesh(dataset, job))
         return VV_OK;
+    if (!dataset->path)
+        return vv_fail(VV_E_UNSUPPORTED, "%s makes a mesh, but samples are needed here", dataset->operation);
     return vv_fail_at(VV_E_UNSUPPORTED, dataset->path, NULL,
                       "is a mesh, but samples are needed here; 'volvis render' shows meshes");
 }
@@ -258,7 +302,23 @@ static vv_status check_name(const vv_field *field, const vv_dataset *dataset, co
                       found);
 }
 
-vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char *name, int64_t frame, vv_job *job)
+static vv_status make_field_of_others(vv_field **out, const vv_world *world, const request *r, const char *name,
+                                      vv_job *job)
+{
+    vv_field *field = NULL;
+    const vvi_made_data *data = made_data_of(world, r->dataset, job);
+    vv_status st = data ? refuse_mesh(r->dataset, job) : VV_E_UNSUPPORTED;
+    if (st == VV_OK && (st = data->field(&field, world, r->dataset, r->frame, job)) == VV_OK)
+        st = check_name(field, r->dataset, name);
+    if (st == VV_OK)
+        *out = field;
+    else
+        vv_field_release(field);
+    return st;
+}
+
+vv_status vv_dataset_field(vv_field **out, const vv_world *world, const vv_dataset *dataset, const char *name,
+                           int64_t frame, vv_job *job)
 {
     request r = {dataset, frame};
     vvi_cached *cached = NULL;
@@ -268,6 +328,8 @@ vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char
         *out = vv_field_retain(attached);
         return VV_OK;
     }
+    if (vv_dataset_is_made(dataset))
+        return make_field_of_others(out, world, &r, name, job);
     if (!dataset->path)
         return fail_no_samples(dataset, name, frame);
     vv_status st = refuse_mesh(dataset, job);
@@ -285,7 +347,14 @@ vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char
     return st;
 }
 
-vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job)
+static vv_status plan_of_others(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    const vv_status st = data ? refuse_mesh(dataset, job) : VV_E_UNSUPPORTED;
+    return st == VV_OK ? data->info(out, world, dataset, job) : st;
+}
+
+vv_status vv_dataset_info(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     request r = {dataset, 0};
     vvi_cached *cached = NULL;
@@ -294,6 +363,8 @@ vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job 
         *out = *vv_field_get_info(attached);
         return VV_OK;
     }
+    if (vv_dataset_is_made(dataset))
+        return plan_of_others(out, world, dataset, job);
     if (!dataset->path)
         return fail_no_samples(dataset, NULL, 0);
     vv_status st = refuse_mesh(dataset, job);

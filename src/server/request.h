@@ -51,7 +51,8 @@ vv_status vvi_request_suffix(const char **out, const vv_operation *operation, co
 /** The parameters of an operation on a dataset, read as its files say what a length or a voxel is. *out is yours;
  * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
-                                 const vv_dataset *dataset, const vv_registry *registry, vv_job *job);
+                                 const vv_world *world, const vv_dataset *dataset, const vv_registry *registry,
+                                 vv_job *job);
 /** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
  * must be. */
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);

@@ -175,7 +175,7 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     const vv_registry *registry = vvi_job_registry(job);
     const vv_dataset *source = find_dataset(world, s->source);
     vv_object *params = NULL;
-    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
+    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, world, source, registry, job);
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
         if (!s->operation->inputs[0].names || !s->inputs)

@@ -118,6 +118,7 @@ typedef struct vv_mesh_format {
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
 struct vvi_surface_row; /* src/surface/isosurface.h */
+struct vvi_made_data;   /* src/model/made_data.h */
 
 /** What data an operation takes or makes; bits of a set. */
 typedef enum vv_data_is { VV_IS_FIELD = 1, VV_IS_MESH = 2 } vv_data_is;
@@ -310,6 +311,8 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
+    const struct vvi_made_data
+        *made_data; /**< how data are made of others (src/model/made_data.h); NULL: they are not */
 } vv_registry;
 
 /** Everything that is built in: src/registry.c. */
