@@ -21,6 +21,7 @@ vv_status vvi_dataset_attach(vv_dataset *dataset, const vv_field *field);
 vv_status vvi_dataset_attach_mesh(vv_dataset *dataset, const vv_mesh *mesh);
 /** The attached field of that attribute (NULL: the first), borrowed; NULL when there is none. */
 const vv_field *vvi_dataset_attached(const vv_dataset *dataset, const char *name);
-/** The file of a dataset that has a path, with what its header says; the caller closes it. */
-vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job);
+/** The file of a dataset that has a path, with what its header says; of one that is made, what does as if there were
+ * one. The caller closes it. world: as of vv_dataset_field(). */
+vv_status vvi_dataset_open(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 #endif

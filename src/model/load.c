@@ -54,6 +54,22 @@ static vvi_cache_key key_of(const char *what, const request *r)
     return (vvi_cache_key){.what = what, .parameters = hash};
 }
 
+/* What is made ------------------------------------------------------------------------------------------------- */
+
+bool vv_dataset_is_made(const vv_dataset *dataset)
+{
+    return dataset->operation && !dataset->path && !dataset->fields;
+}
+
+/* NULL, and the thread's error: nothing can be made. */
+static const vvi_made_data *made_data_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = vvi_job_registry(job)->made_data;
+    if (!data || !world)
+        vv_fail(VV_E_UNSUPPORTED, "the dataset is made by %s, of others that are not at hand here", dataset->operation);
+    return world ? data : NULL;
+}
+
 static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info, vv_job *job)
 {
     enum { MOST = 64 };
@@ -74,10 +90,9 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
                          "'%.64s' is not a known kind of data", dataset->kind);
 }
 
-vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job)
+static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job)
 {
     vv_read_options options;
-    *out = NULL;
     vv_status st = check_kind(dataset, NULL, job);
     if (st != VV_OK)
         return st;
@@ -91,6 +106,15 @@ vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job
         *out = NULL;
     }
     return st;
+}
+
+vv_status vvi_dataset_open(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    *out = NULL;
+    if (!vv_dataset_is_made(dataset))
+        return open_file(out, dataset, job);
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    return data ? data->open(out, world, dataset, job) : VV_E_UNSUPPORTED;
 }
 
 static vv_status fail_sum(const vv_dataset *dataset, const char *what, uint32_t found)
@@ -122,7 +146,7 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
     const request *r = user;
     vv_file *file = NULL;
     vv_field *field = NULL;
-    vv_status st = vvi_dataset_open(&file, r->dataset, job);
+    vv_status st = open_file(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     const int64_t n_frames = vv_file_info(file)->n_frames;
@@ -148,7 +172,7 @@ static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv
 {
     const request *r = user;
     vv_file *file = NULL;
-    vv_status st = vvi_dataset_open(&file, r->dataset, job);
+    vv_status st = open_file(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     vv_field_info *info = vvi_alloc(NULL, sizeof *info, VVI_MEM_MODEL);
@@ -172,22 +196,6 @@ static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, in
         return vv_fail(VV_E_NOT_FOUND, "there is no attribute '%.63s'; there is '%s'", name ? name : "",
                        vv_field_get_info(first)->name);
     return vv_fail(VV_E_NOT_FOUND, "the dataset has no samples: neither a path nor a field in memory");
-}
-
-/* What is made ------------------------------------------------------------------------------------------------- */
-
-bool vv_dataset_is_made(const vv_dataset *dataset)
-{
-    return dataset->operation && !dataset->path && !dataset->fields;
-}
-
-/* NULL, and the thread's error: nothing can be made. */
-static const vvi_made_data *made_data_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
-{
-    const vvi_made_data *data = vvi_job_registry(job)->made_data;
-    if (!data || !world)
-        vv_fail(VV_E_UNSUPPORTED, "the dataset is made by %s, of others that are not at hand here", dataset->operation);
-    return world ? data : NULL;
 }
 
 /* Meshes --------------------------------------------------------------------------------------------------------- */

@@ -12,6 +12,8 @@ typedef struct vvi_made_data {
     vv_status (*info)(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
     vv_status (*field)(vv_field **out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job);
     vv_status (*mesh)(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+    /** As if a file held its samples, for whoever works on files; it holds the World. */
+    vv_status (*open)(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
     /** Whether its operation makes triangles; false also where there is no such operation. */
     bool (*is_mesh)(const vv_dataset *dataset, vv_job *job);
 } vvi_made_data;

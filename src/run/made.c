@@ -4,6 +4,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/status.h"
+#include "grid/field_copy.h"
 #include "grid/mesh.h"
 #include "model/dataset.h"
 #include "registry.h"
@@ -153,7 +154,7 @@ static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t inde
     if (st != VV_OK)
         return st;
     if (in_parts && dataset->path && !dataset->fields && !dataset->checksum)
-        return vvi_dataset_open(&out->file, dataset, job);
+        return vvi_dataset_open(&out->file, NULL, dataset, job);
     st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
     out->frame = 0;
     out->field = field;
@@ -198,48 +199,6 @@ static vv_status needs_parts(bool *out, const vvi_made *made, const vv_field_inf
     return st;
 }
 
-/* A slice of a brick to where samples lie one after the other. */
-static void copy_rows(char *out, const vv_brick *brick, const vv_field_info *info)
-{
-    const size_t sample = vv_type_bytes(info->type) * (size_t)info->components;
-    const size_t row = sample * (size_t)info->grid.dims[0];
-    for (int64_t j = 0; j < info->grid.dims[1]; j++) {
-        const char *from = (const char *)brick->data + j * brick->stride[1];
-        for (int64_t i = 0; i < info->grid.dims[0] && brick->stride[0] != (int64_t)sample; i++)
-            memcpy(out + (size_t)j * row + (size_t)i * sample, from + i * brick->stride[0], sample);
-        if (brick->stride[0] == (int64_t)sample)
-            memcpy(out + (size_t)j * row, from, row);
-    }
-}
-
-/* What a streamed run makes, in memory: slice by slice, as it goes through its inputs. */
-static vv_status collect(vv_field **out, const vv_field *lazy, vv_job *job)
-{
-    const vv_field_info *info = vv_field_get_info(lazy);
-    vv_field *field = NULL;
-    void *data = NULL;
-    uint64_t bytes = 0;
-    vv_status st = vv_field_info_bytes(&bytes, info);
-    if (st == VV_OK)
-        st = vv_field_new_empty(&field, &data, info, job);
-    const size_t slice = (size_t)(bytes / (uint64_t)info->grid.dims[2]);
-    for (int64_t k = 0; k < info->grid.dims[2] && st == VV_OK; k++) {
-        vv_box box = vv_field_box(lazy);
-        vv_brick brick;
-        box.lo[2] = k;
-        box.n[2] = 1;
-        if ((st = vv_field_brick(&brick, lazy, &box, job)) != VV_OK)
-            break;
-        copy_rows((char *)data + (size_t)k * slice, &brick, info);
-        vv_brick_release(&brick);
-    }
-    if (st == VV_OK)
-        *out = field;
-    else
-        vv_field_release(field);
-    return st;
-}
-
 static vv_status run_field(vv_field **out, const vvi_made *made, vv_object *params, const vv_field_info *info,
                            int64_t frame, vv_job *job)
 {
@@ -254,10 +213,12 @@ static vv_status run_field(vv_field **out, const vvi_made *made, vv_object *para
         st = vv_run_new(&run, in.input, in.n, &step, 1, &(vv_run_output){.path = NULL}, made->operation->name, job);
     if (st == VV_OK)
         st = vv_run_make(run);
-    if (st == VV_OK && vv_run_get_about(run)->streamed)
-        st = collect(out, vv_run_field(run, 0), job);
-    else if (st == VV_OK)
+    if (st == VV_OK && vv_run_get_about(run)->streamed) {
+        const vv_box all = vv_field_box(vv_run_field(run, 0));
+        st = vvi_field_copy_box(out, vv_run_field(run, 0), &all, job);
+    } else if (st == VV_OK) {
         *out = vv_field_retain(vv_run_field(run, 0));
+    }
     vv_run_release(run);
     close_inputs(&in);
     return st;
@@ -392,4 +353,5 @@ const vvi_made_data vvi_made_data_by_runs = {
     .field = field_of,
     .mesh = mesh_of,
     .is_mesh = is_mesh,
+    .open = vvi_made_file,
 };

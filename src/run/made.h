@@ -47,4 +47,7 @@ typedef struct vvi_words {
 /** Of a dataset of samples. *out is for vvi_words_close(), also on failure. */
 vv_status vvi_words_open(vvi_words *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 void vvi_words_close(vvi_words *words);
+
+/** Made samples as if a file held them, with what is known of channels and labels; it holds the World. */
+vv_status vvi_made_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 #endif

@@ -37,7 +37,7 @@ vv_status vvi_words_open(vvi_words *out, const vv_world *world, const vv_dataset
         return st;
     for (size_t i = 0; i < out->n; i++)
         steps[i] = last_first[out->n - 1 - i];
-    if ((st = vvi_dataset_open(&out->file, from, job)) == VV_OK)
+    if ((st = vvi_dataset_open(&out->file, NULL, from, job)) == VV_OK)
         st = vv_carry_begin(&out->carry, &out->options, out->file, steps, out->n, &info);
     return st;
 }

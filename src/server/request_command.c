@@ -244,7 +244,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     if (!dataset || !dataset->path)
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     const char *suffix;
-    vv_status st = vvi_request_suffix(&suffix, r->operation, dataset, job);
+    vv_status st = vvi_request_suffix(&suffix, r->operation, r->world, dataset, job);
     making lines = {&text, r->world, 0, job};
     if (st == VV_OK && (st = put_making_of(&lines, r->dataset)) == VV_OK &&
         (st = for_others(r->inputs, visit_making, &lines)) == VV_OK)

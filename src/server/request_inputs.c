@@ -106,10 +106,11 @@ vv_status vvi_request_name_inputs(vvi_request *r)
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
 
-vv_status vvi_request_open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     *out = NULL;
-    return dataset->path && !dataset->fields ? vvi_dataset_open(out, dataset, job) : VV_OK;
+    const bool there = (dataset->path && !dataset->fields) || vv_dataset_is_made(dataset);
+    return there ? vvi_dataset_open(out, world, dataset, job) : VV_OK;
 }
 
 void vvi_request_close_inputs(vvi_request_inputs *inputs)
@@ -138,7 +139,7 @@ static vv_status open_data(vv_run_input *out, const vv_world *world, const vv_da
         out->mesh = mesh;
         return st;
     }
-    vv_status st = vvi_request_open_origin(&out->file, dataset, job);
+    vv_status st = vvi_request_open_origin(&out->file, world, dataset, job);
     if (st == VV_OK && (!out->file || !series || vv_file_info(out->file)->n_frames == 1))
         st = vv_dataset_field(&field, world, dataset, NULL, 0, job);
     out->field = field;

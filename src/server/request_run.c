@@ -56,13 +56,14 @@ static const char *volume_suffix(const vv_file *origin, vv_job *job)
     return format && format->takes_origin && format->write ? format->suffixes[0] : ".nrrd";
 }
 
-vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_world *world,
+                             const vv_dataset *dataset, vv_job *job)
 {
     vv_file *origin = NULL;
     *out = ".ply";
     if (!makes_volume(operation))
         return VV_OK;
-    const vv_status st = vvi_request_open_origin(&origin, dataset, job);
+    const vv_status st = vvi_request_open_origin(&origin, world, dataset, job);
     *out = volume_suffix(origin, job);
     vv_file_close(origin);
     return st;
