@@ -96,7 +96,7 @@ static vv_status open_shown(shown *out, const vv_world *world, size_t i, vv_job 
     *out = (shown){.id = world->volumes->entry[i].id};
     snprintf(path, sizeof path, "volumes.%s", out->id);
     vv_status st = vvi_find_dataset(&dataset, world, volume, path);
-    if (st != VV_OK || (st = vv_dataset_mesh(&out->mesh, dataset, job)) != VV_OK ||
+    if (st != VV_OK || (st = vv_dataset_mesh(&out->mesh, world, dataset, job)) != VV_OK ||
         (st = vvi_place_data(&out->place, &data_to_world, vv_affine_identity(), vv_mesh_get_info(out->mesh)->unit,
                              world, volume, path)) != VV_OK)
         return st;

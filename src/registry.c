@@ -84,6 +84,7 @@ static const vv_registry builtin = {
     .operations = operations,
     .renderers = renderers,
     .data_kinds = data_kinds,
+    .made_data = &vvi_made_data_by_runs,
 };
 
 const vv_registry *vv_registry_builtin(void)

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_REGISTRY_H
 #define VVI_REGISTRY_H
+#include "model/made_data.h"
 #include <volvis/sys/registry.h>
 
 extern const vv_format vvi_format_seg_nrrd, vvi_format_nrrd, vvi_format_nifti, vvi_format_npy, vvi_format_npz,
@@ -59,4 +60,5 @@ extern const vv_operation vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,
     vvi_renderer_slice;
 extern const vv_data_kind vvi_data_kind_regular, vvi_data_kind_mesh;
+extern const vvi_made_data vvi_made_data_by_runs;
 #endif

@@ -1,7 +1,7 @@
 #include "io/import_image.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "io/import_listen.h"
 #include "io/import_room.h"
 #include <stdlib.h>

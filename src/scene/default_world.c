@@ -9,6 +9,7 @@
 #include "model/context.h"
 #include "model/dataset.h"
 #include "model/merge.h"
+#include "scene/load.h"
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -488,7 +489,7 @@ vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *forma
         set_text(&m, dataset, "kind", "mesh");
         if (m.st == VV_OK)
             m.st = vv_dataset_mesh(
-                &mesh, (const vv_dataset *)vv_collection_find(((const vv_world *)m.world)->datasets, id), job);
+                &mesh, NULL, (const vv_dataset *)vv_collection_find(((const vv_world *)m.world)->datasets, id), job);
     }
     if (m.st == VV_OK)
         furnish_mesh(&m, id, mesh);
@@ -512,4 +513,51 @@ vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_opti
         is_stream(path) ? world_for_stream(out, id, file, job) : world_for_open_file(out, id, path, options, file, job);
     vv_file_close(file);
     return st;
+}
+
+/* Data that are made of others ------------------------------------------------------------------------------------- */
+
+static void show_samples(making *m, const vv_world *from, const vv_dataset *dataset, const char *id, vv_job *job)
+{
+    vv_field *field = NULL;
+    vv_file *file = NULL;
+    if (dataset->fields) {
+        static const file_names none;
+        m->st = vv_dataset_field(&field, from, dataset, NULL, 0, job);
+        if (m->st == VV_OK)
+            furnish(m, id, vv_field_get_info(field), &none);
+    } else if ((m->st = vvi_dataset_open(&file, from, dataset, job)) == VV_OK) {
+        const file_names names = names_of(file);
+        furnish(m, id, vv_file_info(file), &names);
+    }
+    vv_field_release(field);
+    vv_file_close(file);
+}
+
+static void show_mesh(making *m, const vv_world *from, const vv_dataset *dataset, const char *id, vv_job *job)
+{
+    vv_mesh *mesh = NULL;
+    m->st = vv_dataset_mesh(&mesh, from, dataset, job);
+    if (m->st == VV_OK)
+        furnish_mesh(m, id, mesh);
+    vv_mesh_release(mesh);
+}
+
+vv_status vvi_world_for_dataset(vv_world **out, const vv_world *from, const char *id, vv_job *job)
+{
+    const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(from->datasets, id);
+    *out = NULL;
+    if (!dataset)
+        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", id);
+    making m = begin(job);
+    for (size_t i = 0; i < from->datasets->n && m.st == VV_OK; i++) {
+        char path[VVI_ID_MOST + 16];
+        snprintf(path, sizeof path, "datasets.%s", from->datasets->entry[i].id);
+        m.st = vv_path_put(&m.world, path, from->datasets->entry[i].object, &m.context);
+    }
+    if (m.st == VV_OK && vv_dataset_is_mesh(dataset, job))
+        show_mesh(&m, from, dataset, id, job);
+    else if (m.st == VV_OK)
+        show_samples(&m, from, dataset, id, job);
+    return finish(out, &m);
 }

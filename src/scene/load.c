@@ -1,4 +1,4 @@
-/* Samples of datasets: attached ones first, else from the file, kept in the runtime's cache. */
+/* Samples of datasets: attached ones first, else from the file or made of others, kept in the runtime's cache. */
 #include "scene/load.h"
 #include "core/cache.h"
 #include "core/job.h"
@@ -7,6 +7,7 @@
 #include "grid/mesh.h"
 #include "io/mesh_file.h"
 #include "model/dataset.h"
+#include "model/made_data.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -23,22 +24,51 @@ static uint64_t hash_text(const char *text, uint64_t seed)
     return vvi_hash(text ? text : "", text ? strlen(text) + 1 : 0, seed);
 }
 
-/* All that decides what is loaded. A file that changes gets another key; what was loaded before it goes in time. */
-static vvi_cache_key key_of(const char *what, const request *r)
+static uint64_t hash_attached(const struct vv_dataset_fields *fields)
+{
+    const uint64_t identity = fields->n ? vv_field_identity(fields->field[0]) : 0;
+    const uint32_t mesh = fields->mesh ? vv_mesh_checksum(fields->mesh) : 0;
+    return vvi_hash(&mesh, sizeof mesh, vvi_hash(&identity, sizeof identity, 1));
+}
+
+uint64_t vvi_dataset_content(const vv_dataset *d)
 {
     struct stat s;
-    const vv_dataset *d = r->dataset;
+    if (d->fields)
+        return hash_attached(d->fields);
     uint64_t hash = hash_text(d->path, hash_text(d->kind, 0));
     hash = hash_text(d->format, hash);
     hash = hash_text(d->part, hash);
     hash = hash_text(d->raw, hash);
     hash = hash_text(d->checksum, hash);
-    hash = vvi_hash(&r->frame, sizeof r->frame, hash);
-    if (!stat(d->path, &s)) {
+    if (d->path && !stat(d->path, &s)) {
         const int64_t parts[] = {(int64_t)s.st_dev, (int64_t)s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
         hash = vvi_hash(parts, sizeof parts, hash);
     }
+    return hash;
+}
+
+/* All that decides what is loaded. A file that changes gets another key; what was loaded before it goes in time. */
+static vvi_cache_key key_of(const char *what, const request *r)
+{
+    const uint64_t hash = vvi_hash(&r->frame, sizeof r->frame, vvi_dataset_content(r->dataset));
     return (vvi_cache_key){.what = what, .parameters = hash};
+}
+
+/* What is made ------------------------------------------------------------------------------------------------- */
+
+bool vv_dataset_is_made(const vv_dataset *dataset)
+{
+    return dataset->operation && !dataset->path && !dataset->fields;
+}
+
+/* NULL, and the thread's error: nothing can be made. */
+static const vvi_made_data *made_data_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = vvi_job_registry(job)->made_data;
+    if (!data || !world)
+        vv_fail(VV_E_UNSUPPORTED, "the dataset is made by %s, of others that are not at hand here", dataset->operation);
+    return world ? data : NULL;
 }
 
 static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info, vv_job *job)
@@ -61,10 +91,9 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
                          "'%.64s' is not a known kind of data", dataset->kind);
 }
 
-vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job)
+static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job)
 {
     vv_read_options options;
-    *out = NULL;
     vv_status st = check_kind(dataset, NULL, job);
     if (st != VV_OK)
         return st;
@@ -78,6 +107,15 @@ vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job
         *out = NULL;
     }
     return st;
+}
+
+vv_status vvi_dataset_open(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    *out = NULL;
+    if (!vv_dataset_is_made(dataset))
+        return open_file(out, dataset, job);
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    return data ? data->open(out, world, dataset, job) : VV_E_UNSUPPORTED;
 }
 
 static vv_status fail_sum(const vv_dataset *dataset, const char *what, uint32_t found)
@@ -109,7 +147,7 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
     const request *r = user;
     vv_file *file = NULL;
     vv_field *field = NULL;
-    vv_status st = vvi_dataset_open(&file, r->dataset, job);
+    vv_status st = open_file(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     const int64_t n_frames = vv_file_info(file)->n_frames;
@@ -135,7 +173,7 @@ static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv
 {
     const request *r = user;
     vv_file *file = NULL;
-    vv_status st = vvi_dataset_open(&file, r->dataset, job);
+    vv_status st = open_file(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     vv_field_info *info = vvi_alloc(NULL, sizeof *info, VVI_MEM_MODEL);
@@ -168,6 +206,8 @@ bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
     const vv_registry *registry = vvi_job_registry(job);
     if (dataset->fields)
         return dataset->fields->mesh;
+    if (vv_dataset_is_made(dataset))
+        return registry->made_data && registry->made_data->is_mesh(dataset, job);
     if (dataset->kind)
         return !strcmp(dataset->kind, "mesh");
     if (!dataset->path || dataset->raw)
@@ -211,14 +251,21 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
 }
 
 /* What cannot be read has neither. */
-static vv_status fail_no_triangles(const vv_dataset *dataset, vv_job *job)
+static vv_status fail_no_triangles(const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vv_field_info info;
-    const vv_status st = dataset->path ? vv_dataset_info(&info, dataset, job) : VV_OK;
+    const vv_status st =
+        dataset->path || vv_dataset_is_made(dataset) ? vv_dataset_info(&info, world, dataset, job) : VV_OK;
     return st != VV_OK ? st : vv_fail_at(VV_E_ARGUMENT, dataset->path, NULL, "the dataset has samples, not triangles");
 }
 
-vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
+static vv_status make_mesh_of_others(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    return data ? data->mesh(out, world, dataset, job) : VV_E_UNSUPPORTED;
+}
+
+vv_status vv_dataset_mesh(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     request r = {dataset, 0};
     vvi_cached *cached = NULL;
@@ -227,8 +274,11 @@ vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
         *out = vv_mesh_retain(dataset->fields->mesh);
         return VV_OK;
     }
-    if (!dataset->path || !vv_dataset_is_mesh(dataset, job))
-        return fail_no_triangles(dataset, job);
+    const bool made = vv_dataset_is_made(dataset);
+    if ((!dataset->path && !made) || !vv_dataset_is_mesh(dataset, job))
+        return fail_no_triangles(world, dataset, job);
+    if (made)
+        return make_mesh_of_others(out, world, dataset, job);
     const vvi_cache_key key = key_of("mesh", &r);
     const vv_status st = vvi_cache_get(&cached, &key, make_mesh, drop_mesh, &r, job);
     if (st != VV_OK)
@@ -242,6 +292,8 @@ static vv_status refuse_mesh(const vv_dataset *dataset, vv_job *job)
 {
     if (!vv_dataset_is_mesh(dataset, job))
         return VV_OK;
+    if (!dataset->path)
+        return vv_fail(VV_E_UNSUPPORTED, "%s makes a mesh, but samples are needed here", dataset->operation);
     return vv_fail_at(VV_E_UNSUPPORTED, dataset->path, NULL,
                       "is a mesh, but samples are needed here; 'volvis render' shows meshes");
 }
@@ -259,7 +311,23 @@ static vv_status check_name(const vv_field *field, const vv_dataset *dataset, co
                       found);
 }
 
-vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char *name, int64_t frame, vv_job *job)
+static vv_status make_field_of_others(vv_field **out, const vv_world *world, const request *r, const char *name,
+                                      vv_job *job)
+{
+    vv_field *field = NULL;
+    const vvi_made_data *data = made_data_of(world, r->dataset, job);
+    vv_status st = data ? refuse_mesh(r->dataset, job) : VV_E_UNSUPPORTED;
+    if (st == VV_OK && (st = data->field(&field, world, r->dataset, r->frame, job)) == VV_OK)
+        st = check_name(field, r->dataset, name);
+    if (st == VV_OK)
+        *out = field;
+    else
+        vv_field_release(field);
+    return st;
+}
+
+vv_status vv_dataset_field(vv_field **out, const vv_world *world, const vv_dataset *dataset, const char *name,
+                           int64_t frame, vv_job *job)
 {
     request r = {dataset, frame};
     vvi_cached *cached = NULL;
@@ -269,6 +337,8 @@ vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char
         *out = vv_field_retain(attached);
         return VV_OK;
     }
+    if (vv_dataset_is_made(dataset))
+        return make_field_of_others(out, world, &r, name, job);
     if (!dataset->path)
         return fail_no_samples(dataset, name, frame);
     vv_status st = refuse_mesh(dataset, job);
@@ -286,7 +356,14 @@ vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char
     return st;
 }
 
-vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job)
+static vv_status plan_of_others(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const vvi_made_data *data = made_data_of(world, dataset, job);
+    const vv_status st = data ? refuse_mesh(dataset, job) : VV_E_UNSUPPORTED;
+    return st == VV_OK ? data->info(out, world, dataset, job) : st;
+}
+
+vv_status vv_dataset_info(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     request r = {dataset, 0};
     vvi_cached *cached = NULL;
@@ -295,6 +372,8 @@ vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job 
         *out = *vv_field_get_info(attached);
         return VV_OK;
     }
+    if (vv_dataset_is_made(dataset))
+        return plan_of_others(out, world, dataset, job);
     if (!dataset->path)
         return fail_no_samples(dataset, NULL, 0);
     vv_status st = refuse_mesh(dataset, job);

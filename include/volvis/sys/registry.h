@@ -119,6 +119,7 @@ typedef struct vv_mesh_format {
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
 struct vvi_surface_row; /* src/surface/isosurface.h */
+struct vvi_made_data;   /* src/model/made_data.h */
 
 /** An input of an operation. */
 typedef struct vv_operand {
@@ -304,6 +305,8 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
+    const struct vvi_made_data
+        *made_data; /**< how data are made of others (src/model/made_data.h); NULL: they are not */
 } vv_registry;
 
 /** Everything that is built in: src/registry.c. */

@@ -1,5 +1,5 @@
 /* Images read by the import program (--safe): the same as without, and what it says is checked. */
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "io_test.h"
 #include "jobs.h"
 #include <errno.h>
