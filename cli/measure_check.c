@@ -1,7 +1,7 @@
 /* Which options each thing that is measured has: others would change nothing, and the figure would answer another
  * question than the one that was asked. And what -o makes. */
 #include "measure.h"
-#include "measure_meshes.h"
+#include "measuring/meshes.h"
 #include "measure_plot.h"
 #include "mesh.h"
 #include "output.h"

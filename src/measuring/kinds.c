@@ -1,8 +1,8 @@
 /* What can be measured, and one question answered. */
 #include "core/names.h"
 #include "measure.h"
-#include "measure_meshes.h"
-#include "measure_surfaces.h"
+#include "measuring/meshes.h"
+#include "measuring/surfaces.h"
 #include "mesh.h"
 #include <stdio.h>
 #include <string.h>

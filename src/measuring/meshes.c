@@ -1,5 +1,5 @@
 /* Area, volume and box of mesh files, and distances between two of them. */
-#include "measure_meshes.h"
+#include "measuring/meshes.h"
 #include "core/vec.h"
 #include "io/mesh_file.h"
 #include "measure.h"

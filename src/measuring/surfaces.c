@@ -1,5 +1,5 @@
 /* Distances to, between and along surfaces. A volume's is the mesh of Marching Cubes. */
-#include "measure_surfaces.h"
+#include "measuring/surfaces.h"
 #include "core/units.h"
 #include "core/vec.h"
 #include "mesh.h"

@@ -1,7 +1,7 @@
 /* Meshes of a scene, where it places them and cut as it cuts them. */
 #include "core/units.h"
 #include "core/vec.h"
-#include "measure_meshes.h"
+#include "measuring/meshes.h"
 #include "mesh.h"
 #include "render/common/resolve.h"
 #include "surface/clip.h"
