@@ -1,5 +1,6 @@
-#include "measure_plot.h"
+/* Plots of what was measured, as files. */
 #include "gfx/font.h"
+#include "measure.h"
 #include "output.h"
 #include "report.h"
 #include <stdio.h>
@@ -34,31 +35,6 @@ vv_status cli_plot_check(cli_command *command)
     const char *output = command->common->output;
     command->verb.makes_file = true;
     return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
-}
-
-/* Cut between letters, with an ellipsis, where it is too long. */
-static void shorten(char *text, size_t room)
-{
-    size_t end = room - 4;
-    if (strlen(text) < room)
-        return;
-    while (end && ((unsigned char)text[end] & 0xc0) == 0x80)
-        end--;
-    memcpy(text + end, "\xe2\x80\xa6", 4);
-}
-
-void cli_plot_subset(char out[CLI_SUBSET_ROOM], const cli_measuring *m, bool object)
-{
-    char all[sizeof m->object + sizeof m->region + 64];
-    const bool part = strcmp(m->region, "all") != 0;
-    snprintf(all, sizeof all, "%s%s%s%s", object ? m->object : "",
-             m->choice.seeded ? "; the piece around the seed" : "",
-             object && part ? "; in "
-             : part         ? "in "
-                            : "",
-             part ? m->region : "");
-    shorten(all, 110);
-    snprintf(out, CLI_SUBSET_ROOM, "%.*s", CLI_SUBSET_ROOM - 1, all);
 }
 
 /* What lies under a density's plot. */
@@ -138,13 +114,19 @@ static const char *clean(char *out, size_t room, const char *text)
     return out;
 }
 
-vv_status cli_plot_write(cli_command *command, const vvi_plot *plot)
+vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const char *file, bool logarithmic)
 {
     const char *output = command->common->output;
-    vvi_plot shown = *plot;
-    char title[256], subtitle[CLI_SUBSET_ROOM];
-    shown.title = clean(title, sizeof title, plot->title);
-    shown.subtitle = clean(subtitle, sizeof subtitle, plot->subtitle);
+    char title[256], subtitle[256];
+    if (!cli_plot_wanted(command))
+        return VV_OK;
+    if (!answer->plot)
+        return vv_fail(VV_E_ARGUMENT, "-o %s: no sample of %s %s: there is nothing to plot", output, file,
+                       answer->no_plot ? answer->no_plot : "is known");
+    vvi_plot shown = *answer->plot;
+    shown.title = clean(title, sizeof title, shown.title);
+    shown.subtitle = clean(subtitle, sizeof subtitle, shown.subtitle);
+    shown.log_y = logarithmic && shown.steps;
     const vv_status st = is_svg(output) ? write_svg(command, &shown) : write_image(command, &shown);
     if (st != VV_OK)
         return st;

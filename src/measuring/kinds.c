@@ -1,130 +1,207 @@
-/* What can be measured, and one question answered. */
-#include "core/names.h"
-#include "measure.h"
-#include "measuring/meshes.h"
-#include "measuring/surfaces.h"
-#include "mesh.h"
+/* The rows: what can be measured, of what, and with which properties. */
+#include "core/memory.h"
+#include "core/status.h"
+#include "core/text.h"
+#include "measuring/measuring.h"
+#include "model/classes.h"
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-static const char *const kinds[] = {"area",  "volume", "box",      "statistics", "histogram", "profile", "distance",
-                                    "angle", "labels", "geodesic", "summary",    "stored",    "joint"};
+#define OBJECT "iso threshold_lo threshold_hi label mask seed space box cut_planes component "
+#define SURFACE "iso label component box cut_planes"
+#define VOLUME VV_MEASURED_VOLUME
+#define MESH VV_MEASURED_MESH
+#define SHOWN VV_MEASURED_SHOWN
+#define FORMS(...)                                                                                                     \
+    (const vv_measure_form[])                                                                                          \
+    {                                                                                                                  \
+        __VA_ARGS__,                                                                                                   \
+        {                                                                                                              \
+            0                                                                                                          \
+        }                                                                                                              \
+    }
+
+static const vv_measure_kind kinds[] = {
+    {.name = "area",
+     .doc = "how large the surface of an object is",
+     .also = "surface",
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method closed", vvi_measure_area},
+                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_area},
+                    {SHOWN, 0, 0, false, "closed", vvi_measure_shown_area})},
+    {.name = "volume",
+     .doc = "how much an object holds",
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method", vvi_measure_volume},
+                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_volume},
+                    {SHOWN, 0, 0, false, "", vvi_measure_shown_volume})},
+    {.name = "box",
+     .doc = "where an object lies: its centroid and its bounding box",
+     .also = "centroid",
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method", vvi_measure_box},
+                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_box},
+                    {SHOWN, 0, 0, false, "", vvi_measure_shown_box})},
+    {.name = "statistics",
+     .doc = "mean, deviation, percentiles and other figures of values",
+     .also = "stats mean deviation percentiles",
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT, vvi_measure_statistics})},
+    {.name = "histogram",
+     .doc = "how often values occur",
+     .table = true,
+     .plot = true,
+     .marks = true,
+     .logarithmic = true,
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "bins range", vvi_measure_histogram})},
+    {.name = "profile",
+     .doc = "values along a line",
+     .also = "line",
+     .table = true,
+     .plot = true,
+     .forms = FORMS({VOLUME, 0, 0, false, "points space samples component", vvi_measure_profile})},
+    {.name = "distance",
+     .doc = "between points, from a point to a surface, or between two surfaces",
+     .also = "hausdorff",
+     .forms = FORMS(
+         {MESH, MESH, 0, true, "input_unit", vvi_measure_two_surfaces},
+         {VOLUME, VOLUME, 0, true, SURFACE " other_iso other_label", vvi_measure_two_surfaces},
+         {VOLUME | MESH, VOLUME | MESH, 0, true, SURFACE " other_iso other_label input_unit", vvi_measure_two_surfaces},
+         {MESH, 0, 0, true, "points input_unit", vvi_measure_point_to_surface},
+         {VOLUME, 0, 1, true, SURFACE " points space seed", vvi_measure_point_to_surface},
+         {VOLUME, 0, 0, false, "points space", vvi_measure_distance})},
+    {.name = "angle",
+     .doc = "at the second of three points",
+     .forms = FORMS({VOLUME, 0, 0, false, "points space", vvi_measure_angle})},
+    {.name = "labels",
+     .doc = "count, volume, area and place of every label",
+     .table = true,
+     .forms = FORMS({VOLUME, 0, 0, false, "values component method box cut_planes", vvi_measure_label_table})},
+    {.name = "geodesic",
+     .doc = "the path between two points along a surface",
+     .also = "path",
+     .forms = FORMS({VOLUME, 0, 0, true, SURFACE " points space seed", vvi_measure_geodesic},
+                    {MESH, 0, 0, true, "points input_unit", vvi_measure_geodesic})},
+    {.name = "summary",
+     .doc = "statistics, area, volume and box",
+     .covers = "statistics, area, volume, box",
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method closed", vvi_measure_summary},
+                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_summary},
+                    {SHOWN, 0, 0, false, "closed", vvi_measure_shown_summary})},
+    {.name = "joint",
+     .doc = "how often values occur with lengths of the gradient",
+     .table = true,
+     .plot = true,
+     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "bins range", vvi_measure_joint_histogram})},
+};
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
 
-const char *cli_measure_kind(const char *word)
+const vv_measure_kind *vv_measure_kind_nth(size_t index)
+{
+    return index < N_KINDS ? &kinds[index] : NULL;
+}
+
+const vv_measure_kind *vv_measure_kind_find(const char *name)
 {
     for (size_t i = 0; i < N_KINDS; i++)
-        if (strcmp(word, kinds[i]) == 0 && access(word, F_OK) != 0)
-            return kinds[i];
+        if (strcmp(name, kinds[i].name) == 0)
+            return &kinds[i];
     return NULL;
 }
 
-const char *cli_measure_kind_nth(size_t index)
+const vv_measure_kind *vv_measure_kind_of(const vv_measurement *question)
 {
-    return index < N_KINDS ? kinds[index] : NULL;
+    return vv_measure_kind_find(vv_class_find(&vvi_measurement_class, "what")->names[question->what]);
 }
 
-/* Other words for them, and beginnings of them. */
-static const char *nearest_kind(const char *word)
+static bool has_points(const vv_measure_form *form, size_t n)
 {
-    static const char *const other[][2] = {
-        {"stats", "statistics"},       {"centroid", "box"},         {"hausdorff", "distance"},
-        {"mean", "statistics"},        {"deviation", "statistics"}, {"line", "profile"},
-        {"percentiles", "statistics"}, {"surface", "area"},         {"path", "geodesic"}};
-    for (size_t i = 0; i < sizeof other / sizeof *other; i++)
-        if (strcmp(word, other[i][0]) == 0)
-            return other[i][1];
-    for (size_t i = 0; i < N_KINDS; i++)
-        if (strlen(word) > 2 && strncmp(word, kinds[i], strlen(word)) == 0)
-            return kinds[i];
-    return vv_nearest_name(word, kinds, N_KINDS);
+    return form->n_points == 0 || form->n_points == n;
 }
 
-vv_status cli_measure_fail_kind(const char *word)
+const vv_measure_form *vv_measure_form_of(const vv_measure_kind *kind, unsigned input, unsigned other, size_t n_points)
 {
-    const char *near = nearest_kind(word); /* as if it had been typed: other words are near to none */
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, near ? near : word, &(vvi_known){kinds, N_KINDS, NULL, NULL},
-                         "measure: no '%s' can be measured", word);
+    for (const vv_measure_form *form = kind->forms; form->run; form++)
+        if ((form->input & input) && (other ? form->other & other : !form->other) && has_points(form, n_points))
+            return form;
+    return NULL;
 }
 
-static vv_status summary(cli_measuring *m)
+/* "area, volume and box": kinds that have a form of such data, and none of `not`. */
+static void list_kinds(vvi_text *out, unsigned input, unsigned not )
 {
-    const vv_status st = cli_measure_values(m, false);
-    const int64_t *dims = vv_field_get_info(m->field)->grid.dims;
-    const bool thin = dims[0] < 2 || dims[1] < 2 || dims[2] < 2;
-    if (st == VV_OK && thin && m->choice.method == VV_MEASURE_CUBES) {
-        cli_command_note(m->command,
-                         "%s is one sample thick, and Marching Cubes needs two along every axis: area and volume are "
-                         "left out; --method count counts voxels",
-                         m->input.path);
-        return VV_OK;
+    const char *names[N_KINDS];
+    size_t n = 0;
+    for (size_t i = 0; i < N_KINDS; i++) {
+        unsigned of = 0;
+        for (const vv_measure_form *form = kinds[i].forms; form->run; form++)
+            of |= form->input;
+        if ((of & input) && !(of & not ) && !kinds[i].covers)
+            names[n++] = kinds[i].name;
     }
-    return st == VV_OK ? cli_measure_object(m, "summary") : st;
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(out, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " and ", names[i]);
 }
 
-static vv_status measure(cli_measuring *m, const char *kind)
+vv_status vvi_measure_refuse(const vv_measure_kind *kind, unsigned input, const char *name)
 {
-    static const char *const of_object[] = {"area", "volume", "box"};
-    for (int i = 0; i < 3; i++)
-        if (strcmp(kind, of_object[i]) == 0)
-            return cli_measure_object(m, kind);
-    if (strcmp(kind, "statistics") == 0 || strcmp(kind, "histogram") == 0)
-        return cli_measure_values(m, kind[0] == 'h');
-    if (strcmp(kind, "joint") == 0)
-        return cli_measure_joint(m);
-    if (strcmp(kind, "profile") == 0)
-        return cli_measure_profile(m);
-    if (strcmp(kind, "distance") == 0 || strcmp(kind, "angle") == 0)
-        return cli_measure_points(m, kind[0] == 'a');
-    if (strcmp(kind, "labels") == 0)
-        return cli_measure_labels(m);
-    return summary(m);
-}
-
-static vv_status measure_volume(cli_result *result, const cli_question *q)
-{
-    cli_measuring m;
-    vv_status st = VV_OK;
-    if ((st = cli_measuring_open(&m, result, q->file[0])) == VV_OK) {
-        vvi_result_string(&result->command->json, "region", m.region);
-        st = measure(&m, q->kind);
-        snprintf(result->object, sizeof result->object, "%s", m.object);
-        snprintf(result->region, sizeof result->region, "%s", strcmp(m.region, "all") ? m.region : "");
-    }
-    cli_measuring_close(&m);
+    vvi_text shown = {0}, mesh = {0};
+    vv_status st = VV_E_ARGUMENT;
+    list_kinds(&shown, SHOWN, 0);
+    list_kinds(&mesh, MESH, input == SHOWN ? SHOWN : 0);
+    if (shown.bad || mesh.bad)
+        st = vv_fail_memory(shown.n + mesh.n);
+    else if (input == SHOWN)
+        vv_fail(st,
+                "%s shows meshes, of which %s are measured where it places them, and no %s; %s are of the mesh files "
+                "themselves: name these",
+                name, shown.s, kind->name, mesh.s);
+    else if (input == MESH)
+        vv_fail(st, "%s is a mesh, which has %s; no %s", name, mesh.s, kind->name);
+    else
+        vv_fail(st, "%s: no %s is measured of such data", name, kind->name);
+    vvi_text_free(&shown);
+    vvi_text_free(&mesh);
     return st;
 }
 
-static vv_status measure_mesh(cli_result *result, const cli_question *q)
+/* Running --------------------------------------------------------------------------------------------------------- */
+
+bool vvi_asks(const vvi_measuring *m, const char *property)
 {
-    static const char *const of_meshes[] = {"summary", "area", "volume", "box"};
-    for (int i = 0; i < 4; i++)
-        if (strcmp(q->kind, of_meshes[i]) == 0)
-            return cli_measure_mesh(result, q->kind, q->file[0]);
-    return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume, box, distance and geodesic; no %s", q->file[0],
-                   q->kind);
+    return vv_object_is_set(&m->asked->base, property);
 }
 
-/* A place of a volume is known to be one when there are two; one alone is measured to a surface. */
-static bool is_between_places(const cli_result *result, const cli_question *q)
+static unsigned is_what(const vv_measured_data *data)
 {
-    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
-    return !q->file[1] && !cli_mesh_is_input(result->command, q->file[0]) && !(o->point && o->point->n == 1);
+    return !data ? 0 : data->field ? VOLUME : data->shown ? SHOWN : MESH;
 }
 
-vv_status cli_measure_ask(cli_result *result, const cli_question *q)
+/* Surfaces open their inputs themselves. */
+static vv_status run_form(const vv_measure_form *form, vvi_measuring *m)
 {
-    vv_world *meshes = cli_measure_mesh_world(result->command, result->edited, q->file[0]);
-    if (meshes) {
-        const vv_status st = cli_measure_mesh_scene(result, q->kind, q->file[0], meshes);
-        vv_object_release(&meshes->base);
-        return st;
+    vv_status st = VV_OK;
+    const bool opened = is_what(m->input) == VOLUME && !form->surface;
+    if (opened && (st = vvi_measuring_open(m)) == VV_OK)
+        vvi_tell_text(m->answer, "region", m->region);
+    if (st == VV_OK)
+        st = form->run(m);
+    if (opened && st == VV_OK) {
+        snprintf(m->answer->object, sizeof m->answer->object, "%s", m->object);
+        snprintf(m->answer->region, sizeof m->answer->region, "%s", strcmp(m->region, "all") ? m->region : "");
     }
-    if (strcmp(q->kind, "geodesic") == 0)
-        return cli_measure_geodesic(result, q->file[0]);
-    if (strcmp(q->kind, "distance") == 0 && !is_between_places(result, q))
-        return q->file[1] ? cli_measure_two_surfaces(result, q->file[0], q->file[1])
-                          : cli_measure_point_to_surface(result, q->file[0]);
-    return cli_mesh_is_input(result->command, q->file[0]) ? measure_mesh(result, q) : measure_volume(result, q);
+    vvi_measuring_close(m);
+    return st;
+}
+
+vv_status vv_measure_run(vv_answer **out, const vv_measurement *question, const vv_measured_inputs *inputs, vv_job *job)
+{
+    const vv_measure_kind *kind = vv_measure_kind_of(question);
+    vv_answer *answer = *out = vvi_calloc(1, sizeof *answer);
+    if (!answer)
+        return vv_fail_memory(sizeof *answer);
+    if (!inputs->n_inputs)
+        return vv_fail(VV_E_ARGUMENT, "%s: there is nothing to measure", kind->name);
+    const size_t n_points = question->points ? question->points->n / 3 : 0;
+    const unsigned is = is_what(inputs->input);
+    const vv_measure_form *form = vv_measure_form_of(kind, is, is_what(inputs->other), n_points);
+    vvi_measuring m = {.asked = question, .inputs = inputs, .input = inputs->input, .answer = answer, .job = job};
+    const vv_status st = form ? run_form(form, &m) : vvi_measure_refuse(kind, is, inputs->input->name);
+    return st == VV_OK && answer->bad ? vv_fail_memory(answer->n * sizeof *answer->item) : st;
 }

@@ -1,90 +1,91 @@
-/* Area, volume and box of mesh files, and distances between two of them. */
+/* Area, volume and box of meshes. */
 #include "measuring/meshes.h"
-#include "core/vec.h"
-#include "io/mesh_file.h"
-#include "measure.h"
-#include "mesh.h"
-#include "value.h"
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-#include <volvis/measure_mesh.h>
-#include <volvis/mesh_file.h>
 
-static void put(cli_result *result, const char *key, const char *label, const vv_figure *f)
+static void put(vv_answer *a, const char *key, const char *label, const vv_figure *f)
 {
-    cli_figure out = {.key = key, .label = label, .value = f->value, .error = f->error};
+    vvi_figure out = {.key = key, .label = label, .value = f->value, .error = f->error};
     snprintf(out.unit, sizeof out.unit, "%s", f->unit);
-    cli_figure_put(result, &out);
+    vvi_tell_figure(a, &out);
 }
 
-static void put_place(cli_result *result, const vv_mesh_measures *m, const char *unit)
+static void put_place(vv_answer *a, const vv_mesh_measures *m, const char *unit)
 {
     const bool empty = m->bounds.lo.x > m->bounds.hi.x;
     const vv_vec3 none = {NAN, NAN, NAN}, lo = empty ? none : m->bounds.lo, hi = empty ? none : m->bounds.hi;
-    cli_command *command = result->command;
     const double centre[3] = {m->centroid[0].value, m->centroid[1].value, m->centroid[2].value};
     const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
     const double error[3] = {m->centroid[0].error, m->centroid[1].error, m->centroid[2].error};
-    cli_vector_put(result, "centroid", centre, error, unit);
-    vvi_result_numbers(&command->json, "centroid_error", error, 3);
-    cli_vector_put(result, "box_lo", (double[]){lo.x, lo.y, lo.z}, NULL, unit);
-    cli_vector_put(result, "box_hi", (double[]){hi.x, hi.y, hi.z}, NULL, unit);
-    cli_vector_put(result, "box_size", size, NULL, unit);
-    if (result->csv)
-        return;
-    char text[CLI_FIGURE_TEXT];
-    cli_place_print(text, centre, error);
+    vvi_tell_place(a, "centroid", centre, error, unit);
+    vvi_tell_numbers(a, "centroid_error", error, 3);
+    vvi_tell_place(a, "box_lo", (double[]){lo.x, lo.y, lo.z}, NULL, unit);
+    vvi_tell_place(a, "box_hi", (double[]){hi.x, hi.y, hi.z}, NULL, unit);
+    vvi_tell_place(a, "box_size", size, NULL, unit);
+    char text[VVI_FIGURE_TEXT];
+    vvi_place_print(text, centre, error);
     if (!isnan(centre[0]))
-        cli_command_line(command, "centroid", "%s %s", text, unit);
+        vvi_tell_line(a, "centroid", "%s %s", text, unit);
     if (empty) {
-        cli_command_line(command, "box", "empty");
+        vvi_tell_line(a, "box", "empty");
         return;
     }
-    cli_command_line(command, "box", "%.6g .. %.6g, %.6g .. %.6g, %.6g .. %.6g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
-                     unit);
-    cli_command_line(command, "", "%.6g x %.6g x %.6g %s", size[0], size[1], size[2], unit);
+    vvi_tell_line(a, "box", "%.6g .. %.6g, %.6g .. %.6g, %.6g .. %.6g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z, unit);
+    vvi_tell_line(a, "", "%.6g x %.6g x %.6g %s", size[0], size[1], size[2], unit);
 }
 
-void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_measures *m, const char *unit)
+void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *m, const char *unit)
 {
-    cli_command *command = result->command;
-    const bool all = strcmp(what, "summary") == 0;
-    vvi_result_string(&command->json, "unit", unit);
-    vvi_result_string(&command->json, "method", "triangles");
-    vvi_result_unsigned(&command->json, "triangles", m->n_triangles);
-    vvi_result_bool(&command->json, "closed", m->closed);
-    vvi_result_unsigned(&command->json, "turned_edges", m->n_turned_edges);
-    if (!result->csv && all)
-        cli_command_line(command, "mesh", "%zu %s, %s", m->n_triangles,
-                         cli_plural(m->n_triangles, "triangle", "triangles"),
-                         m->closed                              ? "closed"
-                         : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
-                                                                : "open: it has no volume");
-    if (all || strcmp(what, "area") == 0)
-        put(result, "area", "area", &m->area);
-    if ((all && m->closed) || strcmp(what, "volume") == 0)
-        put(result, "volume", "volume", &m->volume);
-    if (all || strcmp(what, "box") == 0)
-        put_place(result, m, unit);
+    vvi_tell_text(a, "unit", unit);
+    vvi_tell_text(a, "method", "triangles");
+    vvi_tell_count(a, "triangles", m->n_triangles);
+    vvi_tell_bool(a, "closed", m->closed);
+    vvi_tell_count(a, "turned_edges", m->n_turned_edges);
+    if (what == VVI_MESH_ALL)
+        vvi_tell_line(a, "mesh", "%zu %s, %s", m->n_triangles, vvi_plural(m->n_triangles, "triangle", "triangles"),
+                      m->closed                              ? "closed"
+                      : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
+                                                             : "open: it has no volume");
+    if (what & VVI_MESH_AREA)
+        put(a, "area", "area", &m->area);
+    if ((what & VVI_MESH_VOLUME) && (m->closed || what != VVI_MESH_ALL))
+        put(a, "volume", "volume", &m->volume);
+    if (what & VVI_MESH_BOX)
+        put_place(a, m, unit);
     if (m->inside_out)
-        cli_command_note(command, "the triangles face inwards; the volume is given as if they faced outwards");
+        vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
 }
 
-vv_status cli_measure_mesh(cli_result *result, const char *what, const char *path)
+static vv_status measure(const vvi_measuring *m, unsigned what)
 {
-    cli_command *command = result->command;
-    const cli_measure_options *options = cli_command_options(command, &cli_measure_class);
-    vv_mesh *mesh = NULL;
+    const vv_mesh *mesh = m->input->mesh;
     vv_mesh_measure_options o;
-    vv_mesh_measures m;
+    vv_mesh_measures found;
     vv_mesh_measure_options_init(&o, sizeof o);
-    o.open = strcmp(what, "volume") != 0;
-    vv_status st = cli_mesh_read(&mesh, command, path, options->input_unit);
-    if (st == VV_OK && (st = vv_mesh_measure(&m, mesh, &o, command->job)) == VV_OK)
-        cli_mesh_measures_put(result, what, &m, vv_mesh_get_info(mesh)->unit);
-    else if (st != VV_OK && mesh)
-        st = vv_fail_in(st, "%s", path);
-    vv_mesh_release(mesh);
-    return st;
+    o.open = what != VVI_MESH_VOLUME;
+    const vv_status st = vv_mesh_measure(&found, mesh, &o, m->job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "%s", m->input->name);
+    vvi_mesh_measures_put(m->answer, what, &found, vv_mesh_get_info(mesh)->unit);
+    return VV_OK;
+}
+
+vv_status vvi_measure_mesh_summary(vvi_measuring *m)
+{
+    return measure(m, VVI_MESH_ALL);
+}
+
+vv_status vvi_measure_mesh_area(vvi_measuring *m)
+{
+    return measure(m, VVI_MESH_AREA);
+}
+
+vv_status vvi_measure_mesh_volume(vvi_measuring *m)
+{
+    return measure(m, VVI_MESH_VOLUME);
+}
+
+vv_status vvi_measure_mesh_box(vvi_measuring *m)
+{
+    return measure(m, VVI_MESH_BOX);
 }
