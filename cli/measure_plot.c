@@ -1,5 +1,4 @@
 /* Plots of what was measured, as files. */
-#include "gfx/font.h"
 #include "measure.h"
 #include "output.h"
 #include "report.h"
@@ -37,58 +36,13 @@ vv_status cli_plot_check(cli_command *command)
     return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
 }
 
-/* What lies under a density's plot. */
-static vv_status paint(vv_image **out, const vvi_plot *plot, vv_job *job)
-{
-    const vv_status st = vv_image_new(out, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, job);
-    if (st == VV_OK && plot->density)
-        vvi_plot_paint(*out, plot);
-    return st;
-}
-
 static vv_status write_svg(cli_command *command, const vvi_plot *plot)
 {
     vvi_text document = {0};
-    vvi_gfx_target target = {
-        .width = VVI_PLOT_WIDTH, .height = VVI_PLOT_HEIGHT, .svg = &document, .title = plot->title};
-    vvi_gfx *gfx = NULL;
-    vv_status st = plot->density ? paint(&target.image, plot, command->job) : VV_OK;
-    if (st == VV_OK)
-        st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, command->job);
-    if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, command->job)) == VV_OK)
-        st = vvi_gfx_end(gfx);
-    else
-        vvi_gfx_abandon(gfx);
-    if (st == VV_OK && document.bad)
-        st = vv_fail_memory(document.n);
+    vv_status st = vvi_plot_svg(&document, plot, command->job);
     if (st == VV_OK)
         st = cli_report_file(command, command->common->output, document.s, document.n);
     vvi_text_free(&document);
-    vv_image_release(target.image);
-    return st;
-}
-
-/* Without a font the curve is still worth seeing. */
-static vv_status draw_image(vv_image *image, const vvi_plot *plot, cli_command *command)
-{
-    vv_job *job = command->job;
-    vvi_plot shown = *plot;
-    vvi_font *font = NULL;
-    vvi_gfx *gfx = NULL;
-    vv_status st = vvi_font_open(&font, NULL);
-    const vvi_gfx_font letters = {vvi_font_draw, font};
-    shown.no_letters = st == VV_E_NOT_FOUND || st == VV_E_UNSUPPORTED;
-    if (shown.no_letters) {
-        cli_command_note(command, "the plot has no lettering: %s", vv_error_last()->message);
-        st = VV_OK;
-    }
-    const vvi_gfx_target target = {.image = image, .font = shown.no_letters ? NULL : &letters};
-    if (st == VV_OK && (st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job)) == VV_OK &&
-        (st = vvi_plot_draw(gfx, &shown, job)) == VV_OK)
-        st = vvi_gfx_end(gfx);
-    else
-        vvi_gfx_abandon(gfx);
-    vvi_font_close(font);
     return st;
 }
 
@@ -96,9 +50,12 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
 {
     vv_image *image = NULL;
     vv_image_options options;
+    bool lettered;
     vv_image_options_init(&options, sizeof options);
-    vv_status st = paint(&image, plot, command->job);
-    if (st == VV_OK && (st = draw_image(image, plot, command)) == VV_OK)
+    vv_status st = vvi_plot_image(&image, &lettered, plot, command->job);
+    if (st == VV_OK && !lettered)
+        cli_command_note(command, "the plot has no lettering: %s", vv_error_last()->message);
+    if (st == VV_OK)
         st = vv_image_write(command->common->output, image, &options, command->job);
     vv_image_release(image);
     return st;

@@ -147,8 +147,8 @@ struct vvi_measuring;
 typedef struct vv_measure_form {
     unsigned input, other; /**< any of vv_measured_is; other 0: there is none */
     size_t n_points;       /**< that are given; 0: however many */
-    bool surface;          /**< of volumes a surface of theirs is meant */
     const char *uses;      /**< properties of the measurement that change its answer, with spaces between */
+    unsigned what;         /**< for run() */
     vv_status (*run)(struct vvi_measuring *m);
 } vv_measure_form;
 

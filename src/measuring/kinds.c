@@ -8,87 +8,71 @@
 #include <string.h>
 
 #define OBJECT "iso threshold_lo threshold_hi label mask seed space box cut_planes component "
-#define SURFACE "iso label component box cut_planes"
+#define SURFACE "iso label component box cut_planes "
 #define VOLUME VV_MEASURED_VOLUME
 #define MESH VV_MEASURED_MESH
 #define SHOWN VV_MEASURED_SHOWN
-#define FORMS(...)                                                                                                     \
-    (const vv_measure_form[])                                                                                          \
-    {                                                                                                                  \
-        __VA_ARGS__,                                                                                                   \
-        {                                                                                                              \
-            0                                                                                                          \
-        }                                                                                                              \
-    }
+#define FORMS(...) ((const vv_measure_form[]){__VA_ARGS__, {0}})
+#define OF_VOLUME(uses, run) FORMS({VOLUME, 0, 0, uses, 0, run})
+/* Of objects in volumes, of meshes, and of those that a scene shows. */
+#define EXTENT(uses, uses_shown, what, run, more)                                                                      \
+    FORMS({VOLUME, 0, 0, OBJECT uses, (what) | (more), run}, {MESH, 0, 0, "input_unit", what, vvi_measure_mesh},       \
+          {SHOWN, 0, 0, uses_shown, what, vvi_measure_shown})
 
 static const vv_measure_kind kinds[] = {
     {.name = "area",
      .doc = "how large the surface of an object is",
      .also = "surface",
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method closed", vvi_measure_area},
-                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_area},
-                    {SHOWN, 0, 0, false, "closed", vvi_measure_shown_area})},
+     .forms = EXTENT("method closed", "closed", VVI_AREA, vvi_measure_object, VVI_DETAILS)},
     {.name = "volume",
      .doc = "how much an object holds",
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method", vvi_measure_volume},
-                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_volume},
-                    {SHOWN, 0, 0, false, "", vvi_measure_shown_volume})},
+     .forms = EXTENT("method", "", VVI_VOLUME, vvi_measure_object, 0)},
     {.name = "box",
      .doc = "where an object lies: its centroid and its bounding box",
      .also = "centroid",
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method", vvi_measure_box},
-                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_box},
-                    {SHOWN, 0, 0, false, "", vvi_measure_shown_box})},
+     .forms = EXTENT("method", "", VVI_BOX, vvi_measure_object, 0)},
     {.name = "statistics",
      .doc = "mean, deviation, percentiles and other figures of values",
      .also = "stats mean deviation percentiles",
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT, vvi_measure_statistics})},
+     .forms = OF_VOLUME(OBJECT, vvi_measure_statistics)},
     {.name = "histogram",
      .doc = "how often values occur",
-     .table = true,
      .plot = true,
      .marks = true,
      .logarithmic = true,
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "bins range", vvi_measure_histogram})},
+     .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_histogram)},
     {.name = "profile",
      .doc = "values along a line",
      .also = "line",
-     .table = true,
      .plot = true,
-     .forms = FORMS({VOLUME, 0, 0, false, "points space samples component", vvi_measure_profile})},
+     .forms = OF_VOLUME("points space samples component", vvi_measure_profile)},
     {.name = "distance",
      .doc = "between points, from a point to a surface, or between two surfaces",
      .also = "hausdorff",
-     .forms = FORMS(
-         {MESH, MESH, 0, true, "input_unit", vvi_measure_two_surfaces},
-         {VOLUME, VOLUME, 0, true, SURFACE " other_iso other_label", vvi_measure_two_surfaces},
-         {VOLUME | MESH, VOLUME | MESH, 0, true, SURFACE " other_iso other_label input_unit", vvi_measure_two_surfaces},
-         {MESH, 0, 0, true, "points input_unit", vvi_measure_point_to_surface},
-         {VOLUME, 0, 1, true, SURFACE " points space seed", vvi_measure_point_to_surface},
-         {VOLUME, 0, 0, false, "points space", vvi_measure_distance})},
-    {.name = "angle",
-     .doc = "at the second of three points",
-     .forms = FORMS({VOLUME, 0, 0, false, "points space", vvi_measure_angle})},
+     .forms = FORMS({MESH, MESH, 0, "input_unit", VVI_SURFACE, vvi_measure_two_surfaces},
+                    {VOLUME, VOLUME, 0, SURFACE "other_iso other_label", VVI_SURFACE, vvi_measure_two_surfaces},
+                    {VOLUME | MESH, VOLUME | MESH, 0, SURFACE "other_iso other_label input_unit", VVI_SURFACE,
+                     vvi_measure_two_surfaces},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_point_to_surface},
+                    {VOLUME, 0, 1, SURFACE "points space seed", VVI_SURFACE, vvi_measure_point_to_surface},
+                    {VOLUME, 0, 0, "points space", 0, vvi_measure_distance})},
+    {.name = "angle", .doc = "at the second of three points", .forms = OF_VOLUME("points space", vvi_measure_angle)},
     {.name = "labels",
      .doc = "count, volume, area and place of every label",
-     .table = true,
-     .forms = FORMS({VOLUME, 0, 0, false, "values component method box cut_planes", vvi_measure_label_table})},
+     .forms = OF_VOLUME("values component method box cut_planes", vvi_measure_label_table)},
     {.name = "geodesic",
      .doc = "the path between two points along a surface",
      .also = "path",
-     .forms = FORMS({VOLUME, 0, 0, true, SURFACE " points space seed", vvi_measure_geodesic},
-                    {MESH, 0, 0, true, "points input_unit", vvi_measure_geodesic})},
+     .forms = FORMS({VOLUME, 0, 0, SURFACE "points space seed", VVI_SURFACE, vvi_measure_geodesic},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_geodesic})},
     {.name = "summary",
      .doc = "statistics, area, volume and box",
      .covers = "statistics, area, volume, box",
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "method closed", vvi_measure_summary},
-                    {MESH, 0, 0, false, "input_unit", vvi_measure_mesh_summary},
-                    {SHOWN, 0, 0, false, "closed", vvi_measure_shown_summary})},
+     .forms = EXTENT("method closed", "closed", VVI_EXTENT, vvi_measure_summary, 0)},
     {.name = "joint",
      .doc = "how often values occur with lengths of the gradient",
-     .table = true,
      .plot = true,
-     .forms = FORMS({VOLUME, 0, 0, false, OBJECT "bins range", vvi_measure_joint_histogram})},
+     .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_joint_histogram)},
 };
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
 
@@ -173,18 +157,18 @@ static unsigned is_what(const vv_measured_data *data)
     return !data ? 0 : data->field ? VOLUME : data->shown ? SHOWN : MESH;
 }
 
-/* Surfaces open their inputs themselves. */
-static vv_status run_form(const vv_measure_form *form, vvi_measuring *m)
+/* A volume is opened before, unless a surface of it is meant. */
+static vv_status run_form(vvi_measuring *m, const vv_measure_form *form)
 {
-    vv_status st = VV_OK;
-    const bool opened = is_what(m->input) == VOLUME && !form->surface;
-    if (opened && (st = vvi_measuring_open(m)) == VV_OK)
-        vvi_tell_text(m->answer, "region", m->region);
-    if (st == VV_OK)
-        st = form->run(m);
-    if (opened && st == VV_OK) {
-        snprintf(m->answer->object, sizeof m->answer->object, "%s", m->object);
-        snprintf(m->answer->region, sizeof m->answer->region, "%s", strcmp(m->region, "all") ? m->region : "");
+    vv_answer *answer = m->answer;
+    const bool opened = m->input->field && !(form->what & VVI_SURFACE);
+    vv_status st = opened ? vvi_measuring_open(m) : VV_OK;
+    m->what = form->what;
+    if (st == VV_OK && opened)
+        vvi_tell_text(answer, "region", m->region);
+    if (st == VV_OK && (st = form->run(m)) == VV_OK && opened) {
+        snprintf(answer->object, sizeof answer->object, "%s", m->object);
+        snprintf(answer->region, sizeof answer->region, "%s", strcmp(m->region, "all") ? m->region : "");
     }
     vvi_measuring_close(m);
     return st;
@@ -202,6 +186,6 @@ vv_status vv_measure_run(vv_answer **out, const vv_measurement *question, const 
     const unsigned is = is_what(inputs->input);
     const vv_measure_form *form = vv_measure_form_of(kind, is, is_what(inputs->other), n_points);
     vvi_measuring m = {.asked = question, .inputs = inputs, .input = inputs->input, .answer = answer, .job = job};
-    const vv_status st = form ? run_form(form, &m) : vvi_measure_refuse(kind, is, inputs->input->name);
+    const vv_status st = form ? run_form(&m, form) : vvi_measure_refuse(kind, is, inputs->input->name);
     return st == VV_OK && answer->bad ? vv_fail_memory(answer->n * sizeof *answer->item) : st;
 }

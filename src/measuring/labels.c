@@ -23,69 +23,57 @@ static const char *name_of(const vvi_measuring *m, vv_label_id label)
     return "";
 }
 
-/* Figures of one label. */
-typedef struct labelled {
-    vv_answer *answer;
-    char digits[VVI_LABEL_DIGITS];
-} labelled;
-
-static void keep_one(const labelled *to, const char *name, double value, double error, const char *unit)
+/* Figures of one row: those of a place one by one. units: of lengths, areas, volumes, values. */
+static void keep_row(vv_answer *a, const vv_label_measures *l, const char *digits, const char *const units[4],
+                     bool values)
 {
-    char key[64];
-    vvi_figure f = {.key = key, .value = value, .error = error};
-    snprintf(key, sizeof key, "label_%s_%s", to->digits, name);
-    snprintf(f.unit, sizeof f.unit, "%s", unit);
-    vvi_tell_figure_for(to->answer, &f, VV_FOR_SCENES);
-}
-
-static void keep_vector(const labelled *to, const char *name, vv_vec3 v, const char *unit)
-{
-    const double parts[3] = {v.x, v.y, v.z};
-    for (int a = 0; a < 3; a++) {
-        char key[32];
-        snprintf(key, sizeof key, "%s_%c", name, "xyz"[a]);
-        keep_one(to, key, parts[a], NAN, unit);
+    const struct {
+        const char *name;
+        double value, error;
+        int unit; /* 4: none */
+    } figures[] = {{"count", (double)l->count, NAN, 4},
+                   {"volume", l->volume, l->volume_error, 2},
+                   {"area", l->area, l->area_error, 1},
+                   {"centroid_x", l->centroid.x, NAN, 0},
+                   {"centroid_y", l->centroid.y, NAN, 0},
+                   {"centroid_z", l->centroid.z, NAN, 0},
+                   {"box_lo_x", l->bounds.lo.x, NAN, 0},
+                   {"box_lo_y", l->bounds.lo.y, NAN, 0},
+                   {"box_lo_z", l->bounds.lo.z, NAN, 0},
+                   {"box_hi_x", l->bounds.hi.x, NAN, 0},
+                   {"box_hi_y", l->bounds.hi.y, NAN, 0},
+                   {"box_hi_z", l->bounds.hi.z, NAN, 0},
+                   {"mean", l->mean, NAN, 3},
+                   {"deviation", l->deviation, NAN, 3},
+                   {"min", l->min, NAN, 3},
+                   {"max", l->max, NAN, 3},
+                   {"median", l->median, NAN, 3}};
+    for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
+        char key[64];
+        vvi_figure f = {.key = key, .value = figures[i].value, .error = figures[i].error};
+        if (figures[i].unit == 3 && !values)
+            continue;
+        snprintf(key, sizeof key, "label_%s_%s", digits, figures[i].name);
+        snprintf(f.unit, sizeof f.unit, "%s", figures[i].unit < 4 ? units[figures[i].unit] : "");
+        vvi_tell_figure_for(a, &f, VV_FOR_SCENES);
     }
 }
 
-static void keep_label(vvi_measuring *m, const vv_label_measures *l, const vv_field *values)
-{
-    char volume[32], area[32];
-    const vv_field_info *info = vv_field_get_info(m->field);
-    const char *unit = info->grid.unit;
-    labelled to = {.answer = m->answer};
-    vvi_label_print(to.digits, l->label, vvi_label_is_unsigned(info->type));
-    vvi_power_unit(volume, unit, 3);
-    vvi_power_unit(area, unit, 2);
-    keep_one(&to, "count", (double)l->count, NAN, "");
-    keep_one(&to, "volume", l->volume, l->volume_error, volume);
-    keep_one(&to, "area", l->area, l->area_error, area);
-    keep_vector(&to, "centroid", l->centroid, unit);
-    keep_vector(&to, "box_lo", l->bounds.lo, unit);
-    keep_vector(&to, "box_hi", l->bounds.hi, unit);
-    if (!values)
-        return;
-    const char *value = vv_field_get_info(values)->value_unit;
-    keep_one(&to, "mean", l->mean, NAN, value);
-    keep_one(&to, "deviation", l->deviation, NAN, value);
-    keep_one(&to, "min", l->min, NAN, value);
-    keep_one(&to, "max", l->max, NAN, value);
-    keep_one(&to, "median", l->median, NAN, value);
-}
-
 /* All figures, or of many labels their number and the checksum of the table, to digits that every processor finds. */
-static void keep_all(vvi_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
+static void keep_all(vvi_measuring *m, const vv_label_measures *l, size_t n, const char *const units[4], bool values)
 {
     enum { MOST = 256 };
     const bool is_unsigned = vvi_label_is_unsigned(vv_field_get_info(m->field)->type);
     uint32_t sum = 0;
-    for (size_t i = 0; i < n && n <= MOST; i++)
-        keep_label(m, &l[i], values);
-    for (size_t i = 0; i < n && n > MOST; i++) {
+    for (size_t i = 0; i < n; i++) {
         char row[320], digits[VVI_LABEL_DIGITS];
-        int at = snprintf(row, sizeof row, "%s,%" PRIu64 ",%.6g,%.4g,%.4g,%.4g",
-                          vvi_label_print(digits, l[i].label, is_unsigned), l[i].count, l[i].volume, l[i].centroid.x,
-                          l[i].centroid.y, l[i].centroid.z);
+        vvi_label_print(digits, l[i].label, is_unsigned);
+        if (n <= MOST) {
+            keep_row(m->answer, &l[i], digits, units, values);
+            continue;
+        }
+        int at = snprintf(row, sizeof row, "%s,%" PRIu64 ",%.6g,%.4g,%.4g,%.4g", digits, l[i].count, l[i].volume,
+                          l[i].centroid.x, l[i].centroid.y, l[i].centroid.z);
         if (values)
             at += snprintf(row + at, sizeof row - (size_t)at, ",%.6g,%.4g,%.6g,%.6g,%.6g", l[i].mean, l[i].deviation,
                            l[i].min, l[i].max, l[i].median);
@@ -228,7 +216,7 @@ static void put_labels(vvi_measuring *m, const vv_label_measures *l, size_t n, c
     if (values)
         vvi_tell_text(a, "value_unit", units[3]);
     vvi_tell_text(a, "method", m->choice.method == VV_MEASURE_CUBES ? "cubes" : "count");
-    keep_all(m, l, n, values);
+    keep_all(m, l, n, units, values != NULL);
     put_head(&text, m, volume, area, values != NULL);
     for (size_t i = 0; i < n; i++)
         put_text(&text, &l[i], vvi_label_is_unsigned(info->type), values != NULL, name_of(m, l[i].label));

@@ -12,6 +12,7 @@ typedef struct vvi_measuring {
     const vv_measurement *asked;
     const vv_measured_inputs *inputs;
     const vv_measured_data *input; /**< what is looked at now: the first input, or the second */
+    unsigned what;                 /**< of the form */
     vv_answer *answer;
     vv_job *job;
     /* of a volume */
@@ -75,12 +76,15 @@ const char *vvi_measuring_title(const vvi_measuring *m);
 /** VV_E_ARGUMENT: a kind that such data (`name`) do not have, and which they have. */
 vv_status vvi_measure_refuse(const vv_measure_kind *kind, unsigned input, const char *name);
 
-/* Rows, by file --------------------------------------------------------------------------------------------------- */
+/* Rows ------------------------------------------------------------------------------------------------------------ */
 
+/** What is told of an object, a bit each: m->what. */
+enum { VVI_AREA = 1, VVI_VOLUME = 2, VVI_BOX = 4, VVI_DETAILS = 8, VVI_EXTENT = 7, VVI_SURFACE = 16 };
+
+vv_status vvi_measure_object(vvi_measuring *m);
 vv_status vvi_measure_summary(vvi_measuring *m);
-vv_status vvi_measure_area(vvi_measuring *m);
-vv_status vvi_measure_volume(vvi_measuring *m);
-vv_status vvi_measure_box(vvi_measuring *m);
+vv_status vvi_measure_mesh(vvi_measuring *m);
+vv_status vvi_measure_shown(vvi_measuring *m);
 vv_status vvi_measure_statistics(vvi_measuring *m);
 vv_status vvi_measure_histogram(vvi_measuring *m);
 vv_status vvi_measure_joint_histogram(vvi_measuring *m);
@@ -88,15 +92,8 @@ vv_status vvi_measure_profile(vvi_measuring *m);
 vv_status vvi_measure_distance(vvi_measuring *m);
 vv_status vvi_measure_angle(vvi_measuring *m);
 vv_status vvi_measure_label_table(vvi_measuring *m);
+/* With VVI_SURFACE: these open volumes, whose surfaces they are of, themselves. */
 vv_status vvi_measure_point_to_surface(vvi_measuring *m);
 vv_status vvi_measure_two_surfaces(vvi_measuring *m);
 vv_status vvi_measure_geodesic(vvi_measuring *m);
-vv_status vvi_measure_mesh_summary(vvi_measuring *m);
-vv_status vvi_measure_mesh_area(vvi_measuring *m);
-vv_status vvi_measure_mesh_volume(vvi_measuring *m);
-vv_status vvi_measure_mesh_box(vvi_measuring *m);
-vv_status vvi_measure_shown_summary(vvi_measuring *m);
-vv_status vvi_measure_shown_area(vvi_measuring *m);
-vv_status vvi_measure_shown_volume(vvi_measuring *m);
-vv_status vvi_measure_shown_box(vvi_measuring *m);
 #endif

@@ -41,51 +41,31 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
     vvi_tell_count(a, "triangles", m->n_triangles);
     vvi_tell_bool(a, "closed", m->closed);
     vvi_tell_count(a, "turned_edges", m->n_turned_edges);
-    if (what == VVI_MESH_ALL)
+    if (what == VVI_EXTENT)
         vvi_tell_line(a, "mesh", "%zu %s, %s", m->n_triangles, vvi_plural(m->n_triangles, "triangle", "triangles"),
                       m->closed                              ? "closed"
                       : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
                                                              : "open: it has no volume");
-    if (what & VVI_MESH_AREA)
+    if (what & VVI_AREA)
         put(a, "area", "area", &m->area);
-    if ((what & VVI_MESH_VOLUME) && (m->closed || what != VVI_MESH_ALL))
+    if ((what & VVI_VOLUME) && (m->closed || what != VVI_EXTENT))
         put(a, "volume", "volume", &m->volume);
-    if (what & VVI_MESH_BOX)
+    if (what & VVI_BOX)
         put_place(a, m, unit);
     if (m->inside_out)
         vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
 }
 
-static vv_status measure(const vvi_measuring *m, unsigned what)
+vv_status vvi_measure_mesh(vvi_measuring *m)
 {
     const vv_mesh *mesh = m->input->mesh;
     vv_mesh_measure_options o;
     vv_mesh_measures found;
     vv_mesh_measure_options_init(&o, sizeof o);
-    o.open = what != VVI_MESH_VOLUME;
+    o.open = m->what != VVI_VOLUME;
     const vv_status st = vv_mesh_measure(&found, mesh, &o, m->job);
     if (st != VV_OK)
         return vv_fail_in(st, "%s", m->input->name);
-    vvi_mesh_measures_put(m->answer, what, &found, vv_mesh_get_info(mesh)->unit);
+    vvi_mesh_measures_put(m->answer, m->what, &found, vv_mesh_get_info(mesh)->unit);
     return VV_OK;
-}
-
-vv_status vvi_measure_mesh_summary(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_ALL);
-}
-
-vv_status vvi_measure_mesh_area(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_AREA);
-}
-
-vv_status vvi_measure_mesh_volume(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_VOLUME);
-}
-
-vv_status vvi_measure_mesh_box(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_BOX);
 }

@@ -165,10 +165,7 @@ static void put_remarks(vvi_measuring *m, const vv_measured *found, bool area, u
             m->choice.object == VV_OBJECT_RANGE ? "" : ": --closed adds them, as where a file was cut to its object");
 }
 
-/* What is told of an object. */
-enum { AREA = 1, VOLUME = 2, BOX = 4, DETAILS = 8 };
-
-static vv_status measure(vvi_measuring *m, unsigned what)
+vv_status vvi_measure_object(vvi_measuring *m)
 {
     vv_measured found = {.size = sizeof found};
     uint64_t n_unknown = 0;
@@ -182,31 +179,16 @@ static vv_status measure(vvi_measuring *m, unsigned what)
     put_header(m);
     if (m->choice.method == VV_MEASURE_CUBES && m->choice.closed)
         found.area += found.cut_area;
-    if (what & AREA)
+    if (m->what & VVI_AREA)
         put(m, "area", "area", found.area, found.area_error, 2);
-    if (what & VOLUME)
+    if (m->what & VVI_VOLUME)
         put(m, "volume", "volume", found.volume, found.volume_error, 3);
-    if (what & DETAILS)
+    if (m->what & VVI_DETAILS)
         put_details(m, &found);
-    if (what & BOX)
+    if (m->what & VVI_BOX)
         put_place(m, &found);
-    put_remarks(m, &found, what & AREA, n_unknown);
+    put_remarks(m, &found, m->what & VVI_AREA, n_unknown);
     return VV_OK;
-}
-
-vv_status vvi_measure_area(vvi_measuring *m)
-{
-    return measure(m, AREA | DETAILS);
-}
-
-vv_status vvi_measure_volume(vvi_measuring *m)
-{
-    return measure(m, VOLUME);
-}
-
-vv_status vvi_measure_box(vvi_measuring *m)
-{
-    return measure(m, BOX);
 }
 
 vv_status vvi_measure_summary(vvi_measuring *m)
@@ -221,5 +203,5 @@ vv_status vvi_measure_summary(vvi_measuring *m)
                       m->input->name);
         return VV_OK;
     }
-    return st == VV_OK ? measure(m, AREA | VOLUME | BOX) : st;
+    return st == VV_OK ? vvi_measure_object(m) : st;
 }

@@ -102,7 +102,7 @@ static vv_status measure_all(found *f, const vvi_measuring *m, bool open)
     return st;
 }
 
-static void put_each(const vvi_measuring *m, unsigned what, const found *f)
+static void put_each(const vvi_measuring *m, const found *f)
 {
     vv_answer *a = m->answer;
     vvi_tell_open(a, "meshes", "[");
@@ -112,7 +112,7 @@ static void put_each(const vvi_measuring *m, unsigned what, const found *f)
         vvi_tell_open(a, NULL, "{");
         vvi_tell_text(a, "name", s->shown);
         vvi_tell_line(a, "shown", "%s", s->shown);
-        vvi_mesh_measures_put(a, what, &f->each[i], s->unit);
+        vvi_mesh_measures_put(a, m->what, &f->each[i], s->unit);
         vvi_tell_close(a, "}");
     }
     vvi_tell_close(a, "]");
@@ -120,49 +120,29 @@ static void put_each(const vvi_measuring *m, unsigned what, const found *f)
 }
 
 /* Several are told one by one before all of them together. */
-static void put_all(const vvi_measuring *m, unsigned what, const found *f)
+static void put_all(const vvi_measuring *m, const found *f)
 {
     vv_answer *a = m->answer;
     const size_t n = m->inputs->n_inputs;
     const bool several = n > 1;
     if (several)
-        put_each(m, what, f);
+        put_each(m, f);
     else
         vvi_tell_text(a, "mesh", m->input->shown);
     snprintf(a->object, sizeof a->object, "%zu mesh%s of the scene", n, several ? "es" : "");
     vvi_tell_line(a, several ? "together" : "shown", "%s, where the scene places %s%s",
                   several ? a->object : m->input->shown, several ? "them" : "it",
                   several ? "; what overlaps counts twice" : "");
-    vvi_mesh_measures_put(a, what, &f->total, m->input->unit);
+    vvi_mesh_measures_put(a, m->what, &f->total, m->input->unit);
 }
 
-static vv_status measure(const vvi_measuring *m, unsigned what)
+vv_status vvi_measure_shown(vvi_measuring *m)
 {
     found f = {.each = calloc(m->inputs->n_inputs, sizeof *f.each)};
     vv_status st =
-        f.each ? measure_all(&f, m, what != VVI_MESH_VOLUME) : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
+        f.each ? measure_all(&f, m, m->what != VVI_VOLUME) : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
     if (st == VV_OK)
-        put_all(m, what, &f);
+        put_all(m, &f);
     free(f.each);
     return st;
-}
-
-vv_status vvi_measure_shown_summary(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_ALL);
-}
-
-vv_status vvi_measure_shown_area(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_AREA);
-}
-
-vv_status vvi_measure_shown_volume(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_VOLUME);
-}
-
-vv_status vvi_measure_shown_box(vvi_measuring *m)
-{
-    return measure(m, VVI_MESH_BOX);
 }
