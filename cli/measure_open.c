@@ -122,7 +122,8 @@ static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *
                              const vv_field *field, const char *word, vvi_text *planes)
 {
     vv_world *world = vv_model_snapshot(model);
-    vv_status st = vvi_measured_volume_take(&out->volume, field, world, recipe->view, command->job);
+    vv_status st =
+        vvi_measured_volume_take(&out->volume, field, world, vvi_first_visible(world), recipe->view, command->job);
     out->volume.data.name = out->input.path;
     out->volume.data.given = word;
     out->volume.data.labels = vv_file_labels(out->input.file, &out->volume.data.n_labels);
@@ -183,7 +184,7 @@ vv_status cli_measured_open(cli_measured_inputs *out, cli_command *command, cons
 {
     out->all = (vv_measured_inputs){.size = sizeof out->all, .n_inputs = 1};
     if ((out->world = cli_measure_mesh_world(command, q->edited, q->file[0]))) {
-        const vv_status st = vvi_measured_meshes_take(&out->shown, out->world, q->file[0], command->job);
+        const vv_status st = vvi_measured_meshes_take(&out->shown, out->world, NULL, q->file[0], command->job);
         out->all.input = out->shown.data;
         out->all.n_inputs = out->shown.n;
         return st;

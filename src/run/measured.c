@@ -107,10 +107,9 @@ static void take_threshold(vv_measured_data *out, const vv_volume *v)
 }
 
 vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_world *world,
-                                   const char *view, vv_job *job)
+                                   const vv_volume *v, const char *view, vv_job *job)
 {
     vv_field_info info = *vv_field_get_info(field);
-    const vv_volume *v = vvi_first_visible(world);
     vv_measured_data *data = &out->data;
     *out = (vvi_measured_volume){.data = {.place = vv_affine_identity(), .planes = out->planes, .hi = INFINITY}};
     take_planes(out, world->cut_planes, NULL);
@@ -174,7 +173,8 @@ static vv_status take_mesh(vvi_measured_meshes *out, const vv_world *world, size
     return VV_OK;
 }
 
-vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *world, const char *file, vv_job *job)
+vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *world, const char *only, const char *file,
+                                   vv_job *job)
 {
     const size_t n = world->volumes->n;
     vv_status st = VV_OK;
@@ -182,7 +182,7 @@ vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *wor
     if (!out->data || !out->mesh)
         return vv_fail_memory(n * sizeof *out->mesh);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
-        if (!volume_nth(world, i)->visible)
+        if (only ? strcmp(only, world->volumes->entry[i].id) != 0 : !volume_nth(world, i)->visible)
             continue;
         if (!is_mesh(world, volume_nth(world, i), job))
             return vv_fail(VV_E_ARGUMENT,

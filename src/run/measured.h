@@ -29,14 +29,15 @@ bool vvi_world_shows_meshes(const vv_world *world, vv_job *job);
  * whose value nobody has set. Nothing is loaded. */
 bool vvi_world_surface_value(double *out, const vv_world *world, const char *view, vv_job *job);
 
-/** The first visible volume's samples, which are `field`, as the World has them; of a World without volumes the samples
- * alone, cut by its planes. view: whose surface is the object, "": the first. *out stays where it is while it is used.
- */
+/** The samples of a volume, which are `field`, as the World has them; volume NULL: the samples alone, cut by its
+ * planes. view: whose surface is the object, "": the first. *out stays where it is while it is used. */
 vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_world *world,
-                                   const char *view, vv_job *job);
+                                   const vv_volume *volume, const char *view, vv_job *job);
 void vvi_measured_volume_finish(vvi_measured_volume *volume);
 
-/** All visible meshes of a World, which lives as long. file: its name, for errors. */
-vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *world, const char *file, vv_job *job);
+/** All visible meshes of a World, which lives as long, or that of one volume alone (its id; NULL: all). file: its name,
+ * for errors. */
+vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *world, const char *only, const char *file,
+                                   vv_job *job);
 void vvi_measured_meshes_finish(vvi_measured_meshes *meshes);
 #endif
