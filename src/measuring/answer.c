@@ -33,11 +33,12 @@ void *vvi_answer_room(vv_answer *a, size_t n, size_t bytes)
 
 const char *vvi_answer_copy(vv_answer *a, const char *text)
 {
-    const size_t n = strlen(text);
-    char *copy = n ? vvi_answer_room(a, n, 1) : NULL;
-    if (copy)
-        memcpy(copy, text, n);
-    return copy ? copy : "";
+    char *copy = *text ? vvi_strdup(text) : NULL;
+    if (!*text || (copy && keep(a, copy)))
+        return copy ? copy : "";
+    free(copy);
+    a->bad = true;
+    return "";
 }
 
 void vv_answer_release(vv_answer *a)

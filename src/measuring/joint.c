@@ -80,7 +80,8 @@ static void put_table(vv_answer *a, const vv_joint *j)
         n += j->bins[i] > 0;
     vv_cell *cells = vvi_answer_room(a, n * COLUMNS, sizeof *cells), *cell = cells;
     for (size_t i = 0; cells && i < n_bins; i++) {
-        const double v = (double)(i % j->n_values), g = (double)(i / j->n_values);
+        const size_t row = i / j->n_values;
+        const double v = (double)(i % j->n_values), g = (double)row;
         if (!j->bins[i])
             continue;
         cell[0].number = j->value_lo + v * dv;
