@@ -1,8 +1,9 @@
 /* Volumes that are told sample by sample with the one that is measured: masks, and the values of labels. */
 #include "core/status.h"
 #include "grid/alike.h"
+#include "grid/field.h"
 #include "grid/true_values.h"
-#include "measure.h"
+#include "measuring/measuring.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -16,7 +17,7 @@ static void print_box(char out[160], const vv_box *box, const char *format, cons
 }
 
 /* What one lacks of the other's samples has no values; no mark is no mark. */
-static vv_status check_covered(const cli_measuring *m, const vv_field *other, const vv_box *box, bool marks,
+static vv_status check_covered(const vvi_measuring *m, const vv_field *other, const vv_box *box, bool marks,
                                const char *about)
 {
     char range[160], options[160];
@@ -27,19 +28,18 @@ static vv_status check_covered(const cli_measuring *m, const vv_field *other, co
     print_box(range, box, "%s%c %" PRId64 "..%" PRId64, ", ");
     print_box(options, box, "%s--%c %" PRId64 "..%" PRId64, " ");
     if (marks && !vvi_has_scale(vv_field_get_info(other))) {
-        cli_command_note(m->command, "the %s covers %s of %s; beyond it nothing is marked", about, range,
-                         m->input.path);
+        vvi_tell_note(m->answer, "the %s covers %s of %s; beyond it nothing is marked", about, range, m->input->name);
         return VV_OK;
     }
     return vv_fail(VV_E_ARGUMENT,
                    "the %s: expected samples wherever %s has some, found them for %s only; crop that to them: 'volvis "
                    "crop %s %s -o OUT'",
-                   about, m->input.path, range, m->input.path, options);
+                   about, m->input->name, range, m->input->name, options);
 }
 
 /* Samples that lie in the same places, but have other numbers: of a segmentation of a part, or stored in another
  * order. */
-static vv_status fit(vv_field **field, const cli_measuring *m, bool marks, const char *about)
+static vv_status fit(vv_field **field, const vvi_measuring *m, bool marks, const char *about)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid, *other = &vv_field_get_info(*field)->grid;
     vvi_grid_fit fit;
@@ -49,20 +49,29 @@ static vv_status fit(vv_field **field, const cli_measuring *m, bool marks, const
     if (!box.n[0] || !box.n[1] || !box.n[2])
         return vvi_grid_alike(grid, other, about); /* says what differs */
     vv_status st = check_covered(m, *field, &box, marks, about);
-    if (st == VV_OK && (st = vvi_field_fitted(&fitted, *field, grid, &fit, m->command->job)) == VV_OK) {
+    if (st == VV_OK && (st = vvi_field_fitted(&fitted, *field, grid, &fit, m->job)) == VV_OK) {
         vv_field_release(*field);
         *field = fitted;
     }
     return st;
 }
 
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream, bool marks,
-                               const char *word)
+/* The same samples elsewhere in the world. */
+static vv_status put_at(vv_field **out, const vv_measured_data *data, const vv_affine *place)
+{
+    vv_field_info info = *vv_field_get_info(data->field);
+    info.grid.index_to_world = vv_affine_compose(*place, info.grid.index_to_world);
+    return vvi_field_relabel(out, data->field, &info);
+}
+
+vv_status vvi_measuring_beside(vv_field **out, const vvi_measuring *m, const vv_measured_data *data, bool marks)
 {
     char about[192];
-    vv_status st = cli_measuring_read(out, input, stream, m->command, word);
-    snprintf(about, sizeof about, "%s %.160s", marks ? "mask" : "volume of values", word);
-    if (st != VV_OK || (st = cli_measuring_put_at(out, &m->place)) != VV_OK)
+    if (!data || !data->field)
+        return vv_fail(VV_E_ARGUMENT, "the %s is not there", marks ? "mask" : "volume of values");
+    const vv_status st = put_at(out, data, &m->input->place);
+    snprintf(about, sizeof about, "%s %.160s", marks ? "mask" : "volume of values", data->name);
+    if (st != VV_OK)
         return st;
     return vvi_grid_alike(&vv_field_get_info(m->field)->grid, &vv_field_get_info(*out)->grid, about) == VV_OK
                ? VV_OK
