@@ -229,7 +229,7 @@ static const vv_dataset *dataset_of(const step *s, const char *id)
 }
 
 /* The further input whose labels parameters name, where the operation says that there is one. */
-static vv_status open_labels(cli_input *out, const step *s)
+static vv_status open_labels(cli_input *out, step *s)
 {
     for (size_t i = 1; i < s->args.n_words; i++)
         if (vv_operation_operand(s->verb.operation, i)->names_labels) {

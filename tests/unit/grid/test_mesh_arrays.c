@@ -166,7 +166,7 @@ static void a_world_shows_it(void **state)
     world = vv_model_snapshot(model);
     const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(world->datasets, "tetra");
     assert_true(vv_dataset_is_mesh(dataset, NULL));
-    assert_int_equal(vv_dataset_mesh(&again, dataset, NULL), VV_OK);
+    assert_int_equal(vv_dataset_mesh(&again, world, dataset, NULL), VV_OK);
     assert_ptr_equal(again, mesh);
     vv_mesh_release(again);
     vv_object_release(&world->base);
