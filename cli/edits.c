@@ -12,6 +12,9 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
      .automatic = "raycast; surface for meshes; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
+    {VV_PROP(cli_look, apply), .kind = VV_KIND_STRING, .unit = "CHAIN", .automatic = "nothing: the data as they are",
+     .doc = "operations on the data of the first input before they are shown, as in 'gaussian --sigma 1mm | threshold "
+            "--range 80..'; the World keeps how they were made ('volvis help pipe')"},
     {VV_PROP(cli_look, mode), .kind = VV_KIND_STRING, .unit = "MODE", .table = "modes", .automatic = "composite",
      .doc = "what a ray computes from the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",

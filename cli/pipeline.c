@@ -104,16 +104,18 @@ vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t
     vv_write_options options;
     const vv_run_output output = {command->common->output, &options};
     vv_run *run = NULL;
-    vv_run_input *files = calloc(n_inputs, sizeof *files);
+    const cli_args *args = &command->args;
+    const size_t n_files = args->placed ? args->place[n_inputs - 1] + 1 : n_inputs; /* what is left out is a gap */
+    vv_run_input *files = calloc(n_files, sizeof *files);
     if (!files)
-        return vv_fail_memory(n_inputs * sizeof *files);
+        return vv_fail_memory(n_files * sizeof *files);
     for (size_t i = 0; i < n_inputs; i++) {
         const cli_input *in = &inputs[i];
-        files[i] =
+        files[args->placed ? args->place[i] : i] =
             (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
     }
     cli_output_options(&options, command);
-    vv_status st = vv_run_new(&run, files, n_inputs, steps, n_steps, &output, command->verb.name, command->job);
+    vv_status st = vv_run_new(&run, files, n_files, steps, n_steps, &output, command->verb.name, command->job);
     if (st == VV_OK)
         st = finish(command, output.path, inputs, n_inputs, run);
     vv_run_release(run);

@@ -9,6 +9,7 @@
 #include <volvis/file.h>
 #include <volvis/image.h>
 #include <volvis/mesh_file.h>
+#include <volvis/operation.h>
 #include <volvis/property.h>
 #include <volvis/run.h>
 VV_BEGIN_DECLS
@@ -118,15 +119,7 @@ typedef struct vv_mesh_format {
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
 struct vvi_surface_row; /* src/surface/isosurface.h */
-
-/** What data an operation takes or makes; bits of a set. */
-typedef enum vv_data_is { VV_IS_FIELD = 1, VV_IS_MESH = 2 } vv_data_is;
-
-/** Data of one of these: the others are NULL. */
-typedef struct vv_data {
-    vv_field *field;
-    vv_mesh *mesh;
-} vv_data;
+struct vvi_made_data;   /* src/model/made_data.h */
 
 /** An input of an operation. */
 typedef struct vv_operand {
@@ -135,6 +128,8 @@ typedef struct vv_operand {
     size_t least, most; /**< how many: 1 and 1, unless it is optional or several. Only the last of a row is several */
     const char *doc;
     const char *names; /**< of several that people name as they like: the parameter of the names, as in "a,b" */
+    bool names_labels; /**< labels that parameters name are those of its file; where no operand says so, of the first */
+    bool grid_only;    /**< only where its samples lie is looked at: none is read, and any time step will do */
 } vv_operand;
 
 /** The commonest inputs: one volume, one mesh. */
@@ -143,7 +138,7 @@ typedef struct vv_operand {
 
 /** One thing that is done to data. Inputs come in the order of the row's operands, those of the last one one after the
  * other; one that is left out leaves a gap (NULL, or vv_data without data), unless no other follows it. */
-typedef struct vv_operation {
+struct vv_operation {
     int api; /**< VV_OPERATION_API */
     const char *name;
     const char *component; /**< the folder it lives in: "filter", ... */
@@ -181,7 +176,7 @@ typedef struct vv_operation {
     /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
      */
     const struct vvi_surface_row *surface;
-} vv_operation;
+};
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
 
@@ -310,6 +305,8 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
+    const struct vvi_made_data
+        *made_data; /**< how data are made of others (src/model/made_data.h); NULL: they are not */
 } vv_registry;
 
 /** Everything that is built in: src/registry.c. */
@@ -319,21 +316,8 @@ VV_API const vv_format *vv_registry_format(const vv_registry *registry, const ch
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
 /** For vv_operation.carry: samples are moved, mixed or stored in another way, and mean what they meant. */
 VV_API vv_status vv_carry_values(vv_carry *carry, const vv_object *params);
-/** The whole result of an operation that gives fields; the caller releases it. VV_E_ARGUMENT for a number of inputs
- * that it does not take, for parameters that it refuses, and for operations on or to other data. */
-VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
-                                  size_t n_inputs, const vv_object *params, vv_job *job);
-/** The same for every operation and all sorts of data: *out is what the operation makes. */
-VV_API vv_status vv_operation_make(vv_data *out, const vv_operation *operation, const vv_data *inputs, size_t n_inputs,
-                                   const vv_object *params, vv_job *job);
-VV_API vv_data_is vv_operation_makes(const vv_operation *operation);
-/** How many inputs it takes, the fewest and the most. */
-VV_API size_t vv_operation_least(const vv_operation *operation);
-VV_API size_t vv_operation_most(const vv_operation *operation);
 /** The operand that input `index` is of, in the order of operands; NULL: there are no more. */
 VV_API const vv_operand *vv_operation_operand(const vv_operation *operation, size_t index);
-VV_API void vv_data_release(vv_data *data); /* leaves it empty */
-
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
 
 VV_END_DECLS
