@@ -228,6 +228,18 @@ static const vv_dataset *dataset_of(const step *s, const char *id)
     return (const vv_dataset *)(const void *)vv_collection_find((*s->world)->datasets, id);
 }
 
+/* The further input whose labels parameters name, where the operation says that there is one. */
+static vv_status open_labels(cli_input *out, const step *s)
+{
+    for (size_t i = 1; i < s->args.n_words; i++)
+        if (vv_operation_operand(s->verb.operation, i)->names_labels) {
+            const vv_dataset *dataset = dataset_of(s, s->inputs[i]);
+            out->path = s->inputs[i];
+            return dataset->fields ? VV_OK : vvi_dataset_open(&out->file, *s->world, dataset, s->command->job);
+        }
+    return VV_OK;
+}
+
 /* As `volvis NAME` reads its options: lengths of the first input, channels and labels by its names. */
 static vv_status make_params(vv_object **out, step *s)
 {
@@ -256,12 +268,16 @@ static vv_status make_params(vv_object **out, step *s)
         vv_field_release(field);
         return st;
     }
-    if ((st = vvi_dataset_open(&input.file, *s->world, first, s->command->job)) != VV_OK)
-        return st;
+    cli_input labels = {0};
+    st = vvi_dataset_open(&input.file, *s->world, first, s->command->job);
+    if (st == VV_OK)
+        st = open_labels(&labels, s);
     const cli_args own = s->command->args;
     s->command->args = s->args;
-    st = cli_channel_params(out, s->command, &input, cls);
+    if (st == VV_OK)
+        st = cli_channel_params(out, s->command, &input, labels.path ? &labels : &input, cls);
     s->command->args = own;
+    vv_file_close(labels.file);
     vv_file_close(input.file);
     return st;
 }
