@@ -168,9 +168,8 @@ static vv_status edit_point(cli_edits *edits, const char *option, const char *ty
     vv_status st = VV_OK;
     if (!typed)
         return VV_OK;
-    cli_value_vector(&json, typed);
-    st = json.bad ? vv_fail_memory(json.n)
-                  : cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
+    if ((st = cli_value_point(&json, option, typed)) == VV_OK)
+        st = cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
     vvi_text_free(&json);
     return st;
 }

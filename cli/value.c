@@ -63,6 +63,17 @@ void cli_value_vector(vvi_text *out, const char *typed)
     vvi_text_add(out, "]");
 }
 
+vv_status cli_value_point(vvi_text *out, const char *option, const char *typed)
+{
+    size_t n = 1;
+    for (const char *at = typed; *at; at++)
+        n += *at == ',';
+    if (n != 3)
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected three numbers X,Y,Z, found '%s'", option, typed);
+    cli_value_vector(out, typed);
+    return out->bad ? vv_fail_memory(out->n) : VV_OK;
+}
+
 #define WHOLE_MOST 9007199254740992.0 /* 2^53: up to it doubles tell all whole numbers apart */
 
 void cli_value_print(char out[32], double value, double lo, double hi)

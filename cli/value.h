@@ -15,6 +15,8 @@ bool cli_value_split_range(char lo[64], char hi[64], const char *typed);
 
 /** "10mm,2cm,0" as the JSON array that the property engine takes; numbers stay numbers. */
 void cli_value_vector(vvi_text *out, const char *typed);
+/** The same of a point or direction of --option: X,Y,Z. Errors: VV_E_ARGUMENT, VV_E_MEMORY. */
+vv_status cli_value_point(vvi_text *out, const char *option, const char *typed);
 
 /**
  * The row that a path of the World leads to, by its classes: "lights.ANY.intensity" needs no light of that name.

@@ -34,6 +34,14 @@ def test_windows_of_values_are_refused_in_the_words_that_were_typed():
     ok(*convert("--range", "9,3", "--type", "u8"))
 
 
+def test_points_are_refused_in_the_words_that_were_typed():
+    write_ball()
+    for option, typed in (("--eye", "1,2"), ("--at", "1,2,3,4"), ("--up", "y"), ("--cross-hair", "5")):
+        more = ["--slice", "axial"] if option == "--cross-hair" else []
+        refused(["render", "head.nrrd", "-o", "a.png", option, typed, *more], f"{option}: expected three numbers X,Y,Z, found '{typed}'")
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--eye", "1mm,-9cm,2", "--up", "0,0,1")
+
+
 def test_lengths_that_are_none_are_refused_by_all_verbs():
     with open("far.nrrd", "wb") as file:
         file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1e308 1 1\nencoding: raw\n\n" + bytes(8))
