@@ -164,4 +164,86 @@ def test_merging_in_little_memory_is_the_same():
     in_little_memory("merge", "m.npy", memory="20M")
 
 
+def noise_on(value, kind, *words, n=60):
+    """A cube of one value with noise, flat."""
+    np.save("a.npy", np.full((n, n, n), value, kind))
+    return result("add-noise", *words).astype("f8").ravel()
+
+
+def near(found, want, spread, n, what):
+    """Within five standard deviations of a mean of n."""
+    assert abs(found - want) <= 5 * spread / n**0.5, (what, found, want)
+
+
+def test_noise_has_the_moments_of_its_kind():
+    need_numpy()
+    n = 60**3
+    v = noise_on(100, "f4", "--sigma", "10")
+    near(v.mean(), 100, 10, n, "gaussian")
+    near(v.var(), 100, 100 * 2**0.5, n, "gaussian")
+    near(((v - 100) ** 4).mean(), 3 * 10**4, 96**0.5 * 10**4, n, "gaussian")
+    assert abs(np.corrcoef(v[:-1], v[1:])[0, 1]) < 5 / n**0.5
+    for mean in (0.3, 4, 9.9, 10.1, 40, 3000):
+        v = noise_on(mean, "f8", "--kind", "poisson")
+        assert (v == np.floor(v)).all() and v.min() >= 0
+        near(v.mean(), mean, mean**0.5, n, ("poisson", mean))
+        near(((v - mean) ** 2).mean(), mean, (mean + 2 * mean**2) ** 0.5, n, ("poisson", mean))
+        near(((v - mean) ** 3).mean(), mean, (15 * mean**3 + 30 * mean**2 + 10 * mean) ** 0.5 * 1.5 + 1, n, ("poisson", mean))
+    v = noise_on(50, "f8", "--kind", "poisson", "--counts", "4")
+    near(v.var(), 50 / 4, 50 / 4 * 2**0.5, n, "counts")
+    v = noise_on(0, "f4", "--kind", "rician", "--sigma", "8")
+    near(v.mean(), 8 * (np.pi / 2) ** 0.5, 8, n, "rician")
+    v = noise_on(20, "f4", "--kind", "rician", "--sigma", "8")
+    near((v**2).mean(), 20**2 + 2 * 8**2, 2 * 8 * (20**2 + 8**2) ** 0.5, n, "rician")
+
+
+def test_counts_have_the_probabilities_of_poisson():
+    need_numpy()
+    try:
+        from scipy import stats
+    except ImportError as error:
+        raise Skip("SciPy is not there") from error
+    for mean in (0.7, 6, 14, 90):
+        v = noise_on(mean, "f8", "--kind", "poisson")
+        k = np.arange(int(stats.poisson.ppf(1e-3, mean)), int(stats.poisson.ppf(1 - 1e-3, mean)) + 1)
+        found = np.array([(v == c).sum() for c in k])
+        want = stats.poisson.pmf(k, mean) * v.size
+        squares = ((found - want) ** 2 / want).sum()
+        assert squares < stats.chi2.ppf(1 - 1e-6, len(k)), (mean, squares, len(k))
+
+
+def test_salt_and_pepper_are_as_many_as_asked_for():
+    need_numpy()
+    n = 60**3
+    for kind, ends in (("u1", (0, 255)), ("i2", (-32768, 32767)), ("f4", (0, 1))):
+        v = noise_on(7, kind, "--kind", "salt-and-pepper", "--fraction", "20%")
+        for end in ends:
+            near((v == end).mean(), 0.1, 0.3, n, kind)
+        assert ((v == 7) | (v == ends[0]) | (v == ends[1])).all()
+    v = noise_on(7, "u2", "--kind", "salt-and-pepper", "--salt", "9", "--pepper", "3")
+    assert set(np.unique(v)) == {3, 7, 9}
+    says(fails(2, "add-noise", "a.npy", "-o", "x.npy", "--kind", "salt-and-pepper", "--salt", "-1"), "u16")
+
+
+def test_noise_is_the_same_for_a_seed_and_of_each_step_its_own():
+    need_numpy()
+    steps = np.zeros((3, 5, 6, 7), "f4")
+    steps[0, 1, 2, 3] = np.nan
+    np.save("a.npy", steps)
+    first, again, other = (result("add-noise", "--seed", seed) for seed in (4, 4, 5))
+    assert np.array_equal(first, again, equal_nan=True) and (first != other).all()
+    assert np.isnan(first[0, 1, 2, 3]) and np.isnan(first).sum() == 1
+    assert len(np.unique(first[~np.isnan(first)])) == first.size - 1
+    for kind in KINDS:
+        np.save("a.npy", samples(kind, holes=False))
+        got = result("add-noise", "--sigma", "3").astype("f8") - samples(kind, holes=False).astype("f8")
+        assert 1.5 < got.std() < 4.5, (kind, got.std())
+
+
+def test_noise_in_little_memory_is_the_same():
+    need_numpy()
+    for kind in ("gaussian", "poisson", "rician", "salt-and-pepper"):
+        in_little_memory("add-noise", "--kind", kind)
+
+
 main()

@@ -55,6 +55,14 @@ static void merging_is_the_same_in_all_ways(void **state)
         all_ways(&vvi_operation_merge, settings, type, 1);
 }
 
+static void noise_is_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"sigma=3", "kind=\"poisson\"", "kind=\"rician\";seed=9",
+                                           "kind=\"salt-and-pepper\"", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        all_ways(&vvi_operation_add_noise, settings, type, 0);
+}
+
 /* Each channel has its own, or all have the one. */
 static void channels_of_a_mask_go_each_with_its_own(void **state)
 {
@@ -78,9 +86,8 @@ static void channels_of_a_mask_go_each_with_its_own(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(clamping_is_the_same_in_all_ways),
-        cmocka_unit_test(masking_is_the_same_in_all_ways),
-        cmocka_unit_test(merging_is_the_same_in_all_ways),
+        cmocka_unit_test(clamping_is_the_same_in_all_ways),        cmocka_unit_test(masking_is_the_same_in_all_ways),
+        cmocka_unit_test(merging_is_the_same_in_all_ways),         cmocka_unit_test(noise_is_the_same_in_all_ways),
         cmocka_unit_test(channels_of_a_mask_go_each_with_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
