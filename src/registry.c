@@ -36,6 +36,8 @@ static const vv_operation *const operations[] = {
     &vvi_operation_project,
     &vvi_operation_rescale,
     &vvi_operation_clamp,
+    &vvi_operation_equalize,
+    &vvi_operation_match,
     &vvi_operation_gaussian,
     &vvi_operation_median,
     &vvi_operation_mean,

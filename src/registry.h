@@ -29,6 +29,8 @@ extern const vv_operation vvi_operation_resample;
 extern const vv_operation vvi_operation_project;
 extern const vv_operation vvi_operation_rescale;
 extern const vv_operation vvi_operation_clamp;
+extern const vv_operation vvi_operation_equalize;
+extern const vv_operation vvi_operation_match;
 extern const vv_operation vvi_operation_gaussian;
 extern const vv_operation vvi_operation_median;
 extern const vv_operation vvi_operation_mean;
