@@ -59,6 +59,7 @@ static const vv_operation *const operations[] = {
     &vvi_operation_diffuse,
     &vvi_operation_denoise,
     &vvi_operation_add_noise,
+    &vvi_operation_bias,
     &vvi_operation_distance,
     &vvi_operation_grow,
     &vvi_operation_watershed,

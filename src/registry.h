@@ -53,6 +53,7 @@ extern const vv_operation vvi_operation_bilateral;
 extern const vv_operation vvi_operation_diffuse;
 extern const vv_operation vvi_operation_denoise;
 extern const vv_operation vvi_operation_add_noise;
+extern const vv_operation vvi_operation_bias;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
 extern const vv_operation vvi_operation_watershed;
