@@ -116,5 +116,5 @@ class Installed(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    MESON, BUILD, EXAMPLES = sys.argv[1].split(), sys.argv[2], os.path.abspath(sys.argv[3])
+    MESON, BUILD, EXAMPLES = [sys.argv[1]], sys.argv[2], os.path.abspath(sys.argv[3])
     unittest.main(argv=sys.argv[:1], verbosity=2)
