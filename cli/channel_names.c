@@ -75,12 +75,13 @@ static cli_given *find_names(cli_command *command, const vv_class *cls)
     return NULL;
 }
 
-vv_status cli_channel_params(vv_object **out, cli_command *command, const cli_input *input, const vv_class *cls)
+vv_status cli_channel_params(vv_object **out, cli_command *command, const cli_input *input, const cli_input *labels,
+                             const vv_class *cls)
 {
     const vv_property_context context = cli_input_context(vv_file_info(input->file), command->registry);
     cli_given *given = find_names(command, cls);
     const char *typed = given ? given->text : NULL;
-    const cli_label_names names = cli_label_names_of(command, input);
+    const cli_label_names names = cli_label_names_of(command, labels);
     vvi_text numbers = {0};
     vv_status st = given ? cli_channel_numbers(&numbers, input, typed) : VV_OK;
     *out = NULL;

@@ -74,10 +74,10 @@ static bool is_anatomical(cli_edits *edits)
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
         vv_mesh *mesh = NULL;
         if (vv_dataset_is_mesh(dataset, edits->command->job)) {
-            if (vv_dataset_mesh(&mesh, dataset, edits->command->job) == VV_OK)
+            if (vv_dataset_mesh(&mesh, world, dataset, edits->command->job) == VV_OK)
                 info.grid.space = vv_mesh_get_info(mesh)->space;
             vv_mesh_release(mesh);
-        } else if (vv_dataset_info(&info, dataset, edits->command->job) != VV_OK) {
+        } else if (vv_dataset_info(&info, world, dataset, edits->command->job) != VV_OK) {
             continue;
         }
         if (info.grid.space == VV_SPACE_RAS)

@@ -102,7 +102,7 @@ static vv_status open_fields(pipeline *p)
     if (st != VV_OK || of_scene)
         return st;
     cli_mesh_scene_of_file(&p->scene, &p->inputs[0]);
-    return cli_channel_params(&p->params, p->command, &p->inputs[0], p->operation->params);
+    return cli_channel_params(&p->params, p->command, &p->inputs[0], &p->inputs[0], p->operation->params);
 }
 
 static vv_status read_meshes(pipeline *p)

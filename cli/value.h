@@ -42,6 +42,10 @@ static inline const char *cli_plural(uint64_t n, const char *one, const char *se
     return n == 1 ? one : several;
 }
 
-/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near. */
+/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near.
+ * Whole numbers have all their digits. */
 void cli_value_print(char out[32], double value, double lo, double hi);
+
+/** What makes values of stored numbers, as in "i16 * 0.5 + 3", "stored - 1024". */
+void cli_value_scaled(char out[96], const char *stored, double scale, double offset);
 #endif

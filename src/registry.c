@@ -27,11 +27,15 @@ static const vv_mesh_format *const mesh_formats[] = {
 /* clang-format off */
 static const vv_operation *const operations[] = {
     &vvi_operation_channel,
+    &vvi_operation_merge,
     &vvi_operation_crop,
+    &vvi_operation_pad,
     &vvi_operation_flip,
     &vvi_operation_reorient,
     &vvi_operation_resample,
+    &vvi_operation_project,
     &vvi_operation_rescale,
+    &vvi_operation_clamp,
     &vvi_operation_gaussian,
     &vvi_operation_median,
     &vvi_operation_mean,
@@ -43,15 +47,19 @@ static const vv_operation *const operations[] = {
     &vvi_operation_unsharp,
     &vvi_operation_gradient,
     &vvi_operation_laplacian,
+    &vvi_operation_vesselness,
     &vvi_operation_threshold,
     &vvi_operation_components,
     &vvi_operation_fill_holes,
     &vvi_operation_calc,
+    &vvi_operation_mask,
     &vvi_operation_bilateral,
     &vvi_operation_diffuse,
     &vvi_operation_denoise,
     &vvi_operation_distance,
     &vvi_operation_grow,
+    &vvi_operation_watershed,
+    &vvi_operation_skeleton,
     &vvi_operation_isosurface,
     &vvi_operation_simplify,
     &vvi_operation_smooth,
@@ -76,6 +84,7 @@ static const vv_registry builtin = {
     .operations = operations,
     .renderers = renderers,
     .data_kinds = data_kinds,
+    .made_data = &vvi_made_data_by_runs,
 };
 
 const vv_registry *vv_registry_builtin(void)

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_REGISTRY_H
 #define VVI_REGISTRY_H
+#include "model/made_data.h"
 #include <volvis/sys/registry.h>
 
 extern const vv_format vvi_format_seg_nrrd, vvi_format_nrrd, vvi_format_nifti, vvi_format_npy, vvi_format_npz,
@@ -20,11 +21,15 @@ extern const vv_image_format vvi_image_format_tiff, vvi_image_format_webp, vvi_i
 extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_format_off, vvi_mesh_format_obj;
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
 extern const vv_operation vvi_operation_channel;
+extern const vv_operation vvi_operation_merge;
 extern const vv_operation vvi_operation_crop;
+extern const vv_operation vvi_operation_pad;
 extern const vv_operation vvi_operation_flip;
 extern const vv_operation vvi_operation_reorient;
 extern const vv_operation vvi_operation_resample;
+extern const vv_operation vvi_operation_project;
 extern const vv_operation vvi_operation_rescale;
+extern const vv_operation vvi_operation_clamp;
 extern const vv_operation vvi_operation_gaussian;
 extern const vv_operation vvi_operation_median;
 extern const vv_operation vvi_operation_mean;
@@ -36,19 +41,24 @@ extern const vv_operation vvi_operation_top_hat;
 extern const vv_operation vvi_operation_unsharp;
 extern const vv_operation vvi_operation_gradient;
 extern const vv_operation vvi_operation_laplacian;
+extern const vv_operation vvi_operation_vesselness;
 extern const vv_operation vvi_operation_threshold;
 extern const vv_operation vvi_operation_components;
 extern const vv_operation vvi_operation_fill_holes;
 extern const vv_operation vvi_operation_calc;
+extern const vv_operation vvi_operation_mask;
 extern const vv_operation vvi_operation_bilateral;
 extern const vv_operation vvi_operation_diffuse;
 extern const vv_operation vvi_operation_denoise;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
+extern const vv_operation vvi_operation_watershed;
+extern const vv_operation vvi_operation_skeleton;
 extern const vv_operation vvi_operation_isosurface;
 extern const vv_operation vvi_operation_simplify;
 extern const vv_operation vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,
     vvi_renderer_slice;
 extern const vv_data_kind vvi_data_kind_regular, vvi_data_kind_mesh;
+extern const vvi_made_data vvi_made_data_by_runs;
 #endif

@@ -22,6 +22,15 @@ static vv_status open_inputs(cli_input **out, cli_command *command)
     return st;
 }
 
+/* Whose labels options name. */
+static const cli_input *input_of_labels(const cli_command *command, const cli_input *inputs)
+{
+    for (size_t i = 1; i < command->args.n_words; i++)
+        if (vv_operation_operand(command->verb.operation, i)->names_labels)
+            return &inputs[i];
+    return &inputs[0];
+}
+
 static vv_status run_on_fields(cli_command *command)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
@@ -34,7 +43,8 @@ static vv_status run_on_fields(cli_command *command)
         (st = cli_command_start(command)) != VV_OK)
         return st;
     if ((st = open_inputs(&inputs, command)) == VV_OK)
-        st = cli_channel_params(&step.params, command, &inputs[0], step.operation->params);
+        st = cli_channel_params(&step.params, command, &inputs[0], input_of_labels(command, inputs),
+                                step.operation->params);
     if (st == VV_OK)
         st = cli_refuse_idle(command, step.params, NULL);
     if (st == VV_OK)

@@ -29,7 +29,9 @@ typedef enum vv_type_kind {
     VV_KIND_OBJECT,  /**< vv_object *, one of `cls`, never NULL */
     VV_KIND_LIST,    /**< vv_collection *, objects of `cls` by position: JSON array, path part is the index */
     VV_KIND_MAP,     /**< vv_collection *, objects of `cls` by id: JSON object, path part is the id */
-    VV_KIND_VARIANTS /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
+    VV_KIND_VARIANTS, /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
+    VV_KIND_MEMBERS /**< char *, owned, NULL when unset: a JSON object, as compact text. What its members are is not the
+                       engine's to judge; the last part of a path may name one */
 } vv_type_kind;
 
 /** What a number measures; decides the units that may be written after it. */

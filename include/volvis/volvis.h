@@ -11,6 +11,7 @@
 #include <volvis/measure_distance.h>
 #include <volvis/measure_mesh.h>
 #include <volvis/measure_path.h>
+#include <volvis/measuring.h>
 #include <volvis/mesh.h>
 #include <volvis/mesh_file.h>
 #include <volvis/model.h>

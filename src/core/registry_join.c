@@ -115,6 +115,7 @@ vv_status vvi_registry_join(struct vv_registry **out, const struct vv_registry *
         .operations = (const vv_operation *const *)tables[3].out,
         .renderers = (const vv_renderer *const *)tables[4].out,
         .data_kinds = (const vv_data_kind *const *)tables[5].out,
+        .made_data = base->made_data,
     };
     *out = registry;
     return VV_OK;

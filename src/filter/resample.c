@@ -1,7 +1,9 @@
-/* Resample: another spacing, the same place. */
+/* Resample: another spacing, the same place; or the grid of another volume. */
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "filter/amounts.h"
+#include "filter/resample_onto.h"
 #include "filter/resample_weights.h"
 #include "grid/field.h"
 #include "grid/making.h"
@@ -17,24 +19,29 @@ typedef struct resample_params {
     char *spacing;
     vv_numbers *dims;
     int interpolation;
+    double fill;
 } resample_params;
 
-enum { ROW_SPACING, ROW_DIMS, ROW_INTERPOLATION };
+enum { ROW_SPACING, ROW_DIMS, ROW_INTERPOLATION, ROW_FILL };
 
-static const char *const interpolation_names[] = {"linear", "nearest", "cubic", NULL};
+static const char *const interpolation_names[] = {"linear", "nearest", "cubic", "lanczos", NULL};
 
 static const vv_property properties[] = {
     [ROW_SPACING] = {VV_PROP(resample_params, spacing), .kind = VV_KIND_STRING,
-                     .automatic = "the smallest of the three, for cubic voxels",
+                     .automatic = "the smallest of the three, for cubic voxels; with onto, its",
                      .doc = "distance between the new samples: one length, 1mm, 2vox, or three, 1mm,1mm,2.5mm"},
     [ROW_DIMS] = {VV_PROP(resample_params, dims), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "samples",
-                  .automatic = "from spacing", .doc = "instead of spacing: number of samples along x, y, z"},
+                  .automatic = "from spacing", .option = "size",
+                  .doc = "instead of spacing: number of samples along x, y, z, in the same extent"},
     [ROW_INTERPOLATION] =
         {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
          .automatic = "linear; nearest for labels",
-         .doc = "between samples; where the number of samples is reduced, linear and cubic average "
-                "over the extent of each new one; cubic keeps straight slopes straight up to the outermost "
-                "samples, beyond which all three hold the last value"},
+         .doc = "between samples; where the number of samples is reduced, all but nearest average over the extent of "
+                "each new one; lanczos (three lobes) is the sharpest, and may overshoot at edges; cubic and lanczos "
+                "continue slopes up to the outermost samples, beyond which all hold the last value"},
+    [ROW_FILL] = {VV_PROP(resample_params, fill), .kind = VV_KIND_F64, .unit = "value",
+                  .automatic = "0; NaN for floating-point types",
+                  .doc = "with onto: value of samples that lie outside the volume, by more than half a voxel"},
     {0},
 };
 
@@ -54,6 +61,9 @@ static const vv_class resample_class = {
 typedef struct grid_map {
     int64_t n[3];
     double start[3], step[3];
+    const vv_grid *onto; /* NULL: the map is that of spacing or dims */
+    vv_affine any;       /* with onto: old index of a new one */
+    bool straight;       /* start and step say the same */
 } grid_map;
 
 static vv_status one_spacing(double *out, const char *text, size_t n, const vv_grid *grid, int axis)
@@ -104,23 +114,43 @@ static vv_status map_axis(grid_map *out, int axis, double n_new, double step, in
     return VV_OK;
 }
 
+static vv_status find_map_onto(grid_map *out, const vv_grid *grid, const vv_grid *onto, const vv_object *params)
+{
+    if (is_set(params, ROW_SPACING) || is_set(params, ROW_DIMS))
+        return vv_fail(VV_E_ARGUMENT, "resample: onto says where the samples lie; omit `spacing` and `size`");
+    const vv_status st = vvi_onto_map(&out->any, grid, onto);
+    if (st != VV_OK)
+        return st;
+    out->straight = vvi_onto_is_straight(&out->any, onto->dims);
+    out->onto = onto;
+    for (int a = 0; a < 3; a++) {
+        out->n[a] = onto->dims[a];
+        out->start[a] = (&out->any.origin.x)[a];
+        out->step[a] = (&out->any.axis[a].x)[a];
+    }
+    return VV_OK;
+}
+
 static vv_status find_map(grid_map *out, const vv_field_info *info, const vv_object *params)
 {
     const resample_params *p = (const resample_params *)params;
     const bool by_dims = p->dims && p->dims->n;
     double spacing[3];
     vv_status st;
+    *out = (grid_map){.straight = true};
+    if (is_set(params, ROW_FILL))
+        return vv_fail(VV_E_ARGUMENT, "resample: `fill` does nothing without onto=FILE, as no sample lies outside");
     if (by_dims && is_set(params, ROW_SPACING))
-        return vv_fail(VV_E_ARGUMENT, "resample: `spacing` and `dims` set the same thing; give one of them");
+        return vv_fail(VV_E_ARGUMENT, "resample: `spacing` and `size` set the same thing; give one of them");
     if (by_dims && p->dims->n != 3)
-        return vv_fail(VV_E_ARGUMENT, "resample: `dims` has %zu numbers; three are needed", (size_t)p->dims->n);
+        return vv_fail(VV_E_ARGUMENT, "resample: `size` has %zu numbers; three are needed", (size_t)p->dims->n);
     if ((st = parse_spacing(spacing, p->spacing, &info->grid)) != VV_OK)
         return st;
     for (int a = 0; a < 3; a++) {
         const int64_t n = info->grid.dims[a];
         const double old = vv_grid_spacing(&info->grid, a);
         if (by_dims && !(p->dims->v[a] >= 1 && p->dims->v[a] == floor(p->dims->v[a])))
-            return vv_fail(VV_E_ARGUMENT, "resample: dims %g along %c is not a whole number of at least 1",
+            return vv_fail(VV_E_ARGUMENT, "resample: size %g along %c is not a whole number of at least 1",
                            p->dims->v[a], "xyz"[a]);
         if (by_dims)
             st = map_axis(out, a, p->dims->v[a], (double)n / p->dims->v[a], n);
@@ -138,6 +168,10 @@ static vv_field_info resampled(const vv_field_info *info, const grid_map *map)
 {
     vv_field_info out = *info;
     vv_affine *m = &out.grid.index_to_world;
+    if (map->onto) {
+        out.grid = *map->onto;
+        return out;
+    }
     m->origin = vv_affine_point(info->grid.index_to_world, (vv_vec3){map->start[0], map->start[1], map->start[2]});
     for (int a = 0; a < 3; a++) {
         const vv_vec3 v = m->axis[a];
@@ -157,24 +191,53 @@ static vv_status kernel_of(vvi_resample_kernel *out, const vv_field_info *info, 
     return VV_OK;
 }
 
+/* infos[1] is of onto, where there is one. */
+static vv_status choose(grid_map *map, vvi_resample_kernel *kernel, const vv_field_info *infos, bool onto,
+                        const vv_object *params)
+{
+    const vv_status st = kernel_of(kernel, &infos[0], params);
+    if (st != VV_OK)
+        return st;
+    *map = (grid_map){.straight = true};
+    return onto ? find_map_onto(map, &infos[0].grid, &infos[1].grid, params) : find_map(map, &infos[0], params);
+}
+
+/* The stored number outside. */
+static vv_status find_fill(char fill[8], const vv_field_info *info, const vv_object *params)
+{
+    const double missing = NAN;
+    if (is_set(params, ROW_FILL))
+        return vvi_stored_bytes(fill, info, ((const resample_params *)params)->fill, "resample: fill");
+    const double stored = vv_type_is_float(info->type) ? missing : -info->value_offset / info->value_scale;
+    vvi_samples_from_f64(fill, &stored, info->type, 1);
+    return VV_OK;
+}
+
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
-    (void)n_inputs;
     grid_map map;
     vvi_resample_kernel kernel;
-    vv_status st;
-    if ((st = kernel_of(&kernel, &inputs[0], params)) != VV_OK || (st = find_map(&map, &inputs[0], params)) != VV_OK)
-        return st;
-    *out = resampled(&inputs[0], &map);
-    return VV_OK;
+    const bool onto = n_inputs > 1 && inputs[1].grid.dims[0] > 0;
+    char fill[8];
+    vv_status st = choose(&map, &kernel, inputs, onto, params);
+    if (st == VV_OK && (st = find_fill(fill, &inputs[0], params)) == VV_OK)
+        *out = resampled(&inputs[0], &map);
+    return st;
 }
 
 typedef struct shared {
     vvi_making making;
     bool nearest; /* samples are taken as they are, with all of their bits */
     vvi_resample_axis axis[3];
+    char fill[8]; /* the bytes of a number outside */
     vv_job *job;
 } shared;
+
+static void fill_samples(char *out, const shared *s, int64_t n)
+{
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    vvi_fill_numbers(out, s->fill, vv_type_bytes(info->type), n * info->components);
+}
 
 static size_t numbers_of_row(const shared *s)
 {
@@ -230,6 +293,17 @@ static void make_row(char *out, const shared *s, double *scratch, const vv_brick
     vvi_samples_from_f64(out, made, brick->type, (size_t)s->making.slabs.box.n[0] * components);
 }
 
+/* Those before and behind the old ones. */
+static void fill_ends(char *row, const shared *s)
+{
+    const vvi_resample_axis *ax = &s->axis[0];
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    const size_t bytes = vv_type_bytes(info->type) * (size_t)info->components;
+    for (int64_t i = 0; i < s->making.slabs.box.n[0]; i++)
+        if (ax->count[s->making.slabs.box.lo[0] + i] == 0)
+            fill_samples(row + (size_t)i * bytes, s, 1);
+}
+
 static void take_row(char *out, const shared *s, const vv_brick *brick, int64_t j, int64_t k)
 {
     const vvi_resample_axis *ax = &s->axis[0];
@@ -240,16 +314,31 @@ static void take_row(char *out, const shared *s, const vv_brick *brick, int64_t 
         memcpy(out + (size_t)i * bytes, in + (size_t)ax->first[s->making.slabs.box.lo[0] + i] * bytes, bytes);
 }
 
+static void write_row(char *out, const shared *s, double *scratch, const vv_brick *brick, int64_t j, int64_t k)
+{
+    if (s->axis[1].count[j] == 0 || s->axis[2].count[k] == 0) {
+        fill_samples(out, s, s->making.slabs.box.n[0]);
+        return;
+    }
+    if (s->nearest)
+        take_row(out, s, brick, j, k);
+    else
+        make_row(out, s, scratch, brick, j, k);
+    fill_ends(out, s);
+}
+
 /* The old samples that new ones [lo, lo + n) are made of. */
 static void run_of(int64_t *lo_out, int64_t *n_out, const vvi_resample_axis *axis, int64_t lo, int64_t n)
 {
     int64_t first = INT64_MAX, end = 0;
     for (int64_t i = lo; i < lo + n; i++) {
+        if (axis->count[i] == 0)
+            continue;
         first = axis->first[i] < first ? axis->first[i] : first;
         end = axis->first[i] + axis->count[i] > end ? axis->first[i] + axis->count[i] : end;
     }
-    *lo_out = first;
-    *n_out = end - first;
+    *lo_out = end ? first : 0;
+    *n_out = end ? end - first : 1; /* none: any sample will do */
 }
 
 /* Whole rows of the input that a box of the result is made of. */
@@ -273,10 +362,7 @@ static vv_status item(void *scratch, void *user, size_t index)
     for (int64_t k = 0; k < box.n[2] && st == VV_OK; k++)
         for (int64_t j = 0; j < box.n[1] && st == VV_OK; j++) {
             char *out = s->making.out + (size_t)vvi_slabs_row(&s->making.slabs, &box, j, k) * bytes;
-            if (s->nearest)
-                take_row(out, s, &brick, box.lo[1] + j, box.lo[2] + k);
-            else
-                make_row(out, s, scratch, &brick, box.lo[1] + j, box.lo[2] + k);
+            write_row(out, s, scratch, &brick, box.lo[1] + j, box.lo[2] + k);
             st = vvi_job_poll(s->job);
         }
     return st;
@@ -288,6 +374,8 @@ static vv_status make_axes(shared *s, const grid_map *map, vvi_resample_kernel k
     vv_status st = VV_OK;
     for (int a = 0; a < 3 && st == VV_OK; a++)
         st = vvi_resample_axis_make(&s->axis[a], kernel, d[a], map->n[a], map->start[a], map->step[a], s->job);
+    for (int a = 0; a < 3 && st == VV_OK && map->onto; a++)
+        vvi_resample_axis_cut(&s->axis[a], d[a], map->start[a], map->step[a]);
     return st;
 }
 
@@ -297,38 +385,58 @@ static vvi_slabs slabs_of_rows(const vv_box *box)
     return vvi_slabs_of(box, box->n[0] > ITEM_SAMPLES ? box->n[0] : ITEM_SAMPLES);
 }
 
-static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                         const vv_box *box, vv_job *job)
+static vv_status run_axes(vv_field **out, const vv_field *in, const vv_field_info *info, const grid_map *map,
+                          vvi_resample_kernel kernel, const char fill[8], const vv_box *box, vv_job *job)
 {
-    (void)n_inputs;
     static const vvi_work work = {.stage = "resample", .start = start, .item = item, .finish = finish};
-    const vv_field_info *from = vv_field_get_info(inputs[0]);
-    shared s = {.making = {.in = inputs[0], .slabs = slabs_of_rows(box)}, .job = job};
-    grid_map map;
-    vvi_resample_kernel kernel;
-    vv_status st;
-    *out = NULL;
-    if ((st = kernel_of(&kernel, from, params)) != VV_OK || (st = find_map(&map, from, params)) != VV_OK)
-        return st;
-    const vv_field_info info = resampled(from, &map);
-    s.nearest = kernel == VVI_RESAMPLE_NEAREST;
-    if ((st = make_axes(&s, &map, kernel)) == VV_OK) {
+    shared s = {
+        .making = {.in = in, .slabs = slabs_of_rows(box)}, .nearest = kernel == VVI_RESAMPLE_NEAREST, .job = job};
+    memcpy(s.fill, fill, sizeof s.fill);
+    vv_status st = make_axes(&s, map, kernel);
+    if (st == VV_OK) {
         const vv_box needed = box_needed(&s, box);
-        st = vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
+        st = vvi_making_run(out, &s.making, info, box, &needed, &work, &s, job);
     }
     for (int a = 0; a < 3; a++)
         vvi_resample_axis_free(&s.axis[a]);
     return st;
 }
 
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
+{
+    vv_field_info infos[2] = {*vv_field_get_info(inputs[0])};
+    const bool onto = n_inputs > 1 && inputs[1];
+    char fill[8] = {0};
+    grid_map map;
+    vvi_resample_kernel kernel;
+    *out = NULL;
+    if (onto)
+        infos[1] = *vv_field_get_info(inputs[1]);
+    vv_status st = choose(&map, &kernel, infos, onto, params);
+    if (st != VV_OK || (st = find_fill(fill, &infos[0], params)) != VV_OK)
+        return st;
+    const vv_field_info info = resampled(&infos[0], &map);
+    return map.straight ? run_axes(out, inputs[0], &info, &map, kernel, fill, box, job)
+                        : vvi_onto_run_box(out, inputs[0], &info, &map.any, kernel, fill, box, job);
+}
+
+static const vv_operand inputs_taken[] = {
+    {"volume", VV_IS_FIELD, 1, 1, "the volume that it works on"},
+    {"onto", VV_IS_FIELD, 0, 1, "a volume whose grid the result has; of its samples none is read", .grid_only = true},
+    {0},
+};
+
 const vv_operation vvi_operation_resample = {
     .api = VV_OPERATION_API,
     .name = "resample",
     .component = "filter",
-    .doc = "the same volume with another spacing; without parameters its voxels become cubes",
+    .doc = "the same volume with another spacing, or on the grid of another volume (onto=FILE), wherever that lies; "
+           "without "
+           "parameters its voxels become cubes",
     .example = "volvis resample head.nrrd -o even.nrrd --spacing 2mm",
     .params = &resample_class,
-    .inputs = VV_ONE_VOLUME,
+    .inputs = inputs_taken,
     .run_box = run_box,
     .plan = plan,
     .carry = vv_carry_values,

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#define RESAMPLE "resample it first: 'volvis resample IT onto=VOLUME -o OUT'"
 #define ANYWAY "; if they belong together sample by sample, drop the placement of one, as .npy files do"
 
 static void print_dims(char out[96], const vv_grid *g)
@@ -21,12 +22,11 @@ static vv_status check_dims(const vv_grid *grid, const vv_grid *other, const cha
         return VV_OK;
     print_dims(expected, grid);
     print_dims(found, other);
-    return vv_fail(VV_E_ARGUMENT, "the %s: expected %s samples, as many as the volume has, found %s; resample one",
-                   name, expected, found);
+    return vv_fail(VV_E_ARGUMENT, "the %s: expected %s samples, as many as the volume has, found %s; " RESAMPLE, name,
+                   expected, found);
 }
 
-/* The unit of the first where both are known. */
-static vv_grid in_unit_of(const vv_grid *grid, const vv_grid *other)
+vv_grid vvi_grid_in_unit_of(const vv_grid *grid, const vv_grid *other)
 {
     const double to = vvi_length_unit_metres(grid->unit), from = vvi_length_unit_metres(other->unit);
     vv_grid out = *other;
@@ -57,7 +57,7 @@ static vv_status check_spacing(const vv_grid *grid, const vv_grid *other, const 
     return same ? VV_OK
                 : vv_fail(VV_E_ARGUMENT,
                           "the %s: expected a spacing of %.9g x %.9g x %.9g %s, like the volume's, found %.9g x %.9g x "
-                          "%.9g %s; resample one on the grid of the other" ANYWAY,
+                          "%.9g %s; " RESAMPLE ANYWAY,
                           name, s[0], s[1], s[2], grid->unit, t[0], t[1], t[2], other->unit);
 }
 
@@ -98,13 +98,13 @@ static vv_status fail_place(const vv_grid *grid, const vv_grid *other, const cha
                        "reorient IN --order RAS -o OUT'" ANYWAY,
                        name, along, found);
     if (degrees > 1e-3)
-        return vv_fail(VV_E_ARGUMENT,
-                       "the %s: expected axes parallel to the volume's, found them rotated by %.3g degrees; resample "
-                       "one on the grid of the other" ANYWAY,
-                       name, degrees);
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "the %s: expected axes parallel to the volume's, found them rotated by %.3g degrees; " RESAMPLE ANYWAY,
+            name, degrees);
     return vv_fail(VV_E_ARGUMENT,
                    "the %s: expected the first sample at %.9g, %.9g, %.9g %s, like the volume's, found it at %.9g, "
-                   "%.9g, %.9g; resample one on the grid of the other" ANYWAY,
+                   "%.9g, %.9g; " RESAMPLE ANYWAY,
                    name, p.x, p.y, p.z, grid->unit, q.x, q.y, q.z);
 }
 
@@ -115,7 +115,7 @@ static bool says_nothing(const vv_grid *grid)
 
 vv_status vvi_grid_alike(const vv_grid *grid, const vv_grid *other, const char *name)
 {
-    const vv_grid found = in_unit_of(grid, other);
+    const vv_grid found = vvi_grid_in_unit_of(grid, other);
     vv_status st = check_dims(grid, other, name);
     if (st != VV_OK || says_nothing(grid) || says_nothing(other))
         return st;
@@ -149,7 +149,7 @@ static void choose_axis(vvi_grid_fit *fit, int a, const vv_affine *to_other)
 
 bool vvi_grid_fits(vvi_grid_fit *out, const vv_grid *grid, const vv_grid *other)
 {
-    const vv_grid found = in_unit_of(grid, other);
+    const vv_grid found = vvi_grid_in_unit_of(grid, other);
     vv_affine inverse;
     *out = (vvi_grid_fit){0};
     if (says_nothing(grid) || says_nothing(other) || grid->space != found.space ||

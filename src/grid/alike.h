@@ -21,6 +21,9 @@
  */
 vv_status vvi_grid_alike(const vv_grid *grid, const vv_grid *other, const char *name);
 
+/** `other` with its lengths in the unit of `grid`, where both units are known. */
+vv_grid vvi_grid_in_unit_of(const vv_grid *grid, const vv_grid *other);
+
 /** Where the samples of one grid are among those of another: sample i along axis a of the grid is sample
  * first[a] + sign[a] i along axis[a] of the other. */
 typedef struct vvi_grid_fit {

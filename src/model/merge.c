@@ -1,6 +1,5 @@
 /* One World's data shown in another. */
 #include "model/merge.h"
-#include "core/job.h"
 #include "core/property_impl.h"
 #include "model/context.h"
 #include <stdio.h>
@@ -79,9 +78,9 @@ static void add_dataset(merging *m, const vv_world *from, size_t index)
     }
 }
 
-vv_status vvi_world_merge(vv_world **world, const vv_world *from, vv_job *job)
+vv_status vvi_world_merge(vv_world **world, const vv_world *from, const vv_registry *registry)
 {
-    merging m = {.world = vv_object_retain(&(*world)->base), .context = vvi_registry_context(vvi_job_registry(job))};
+    merging m = {.world = vv_object_retain(&(*world)->base), .context = vvi_registry_context(registry)};
     name_only_data(&m);
     for (size_t i = 0; i < from->datasets->n && m.st == VV_OK; i++)
         add_dataset(&m, from, i);

@@ -148,7 +148,7 @@ static void warn_of_layers(const vvi_frame *frame)
 }
 
 /* Samples that went while they were drawn were drawn as 0. */
-static vv_status check_samples(const vv_scene *scene)
+vv_status vvi_scene_health(const vv_scene *scene)
 {
     vv_status st = VV_OK;
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
@@ -202,7 +202,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
     report->prepare_s += prepared - start;
     st = render_passes(&frame, prepared);
     if (st == VV_OK)
-        st = check_samples(scene);
+        st = vvi_scene_health(scene);
     fill_report(report, &frame, prepared);
     if (st == VV_OK && options->figure_out)
         st = vvi_frame_figure(options->figure_out, &frame);

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/os.h"
 #include "grid/field.h"
+#include "grid/lazy.h"
 #include "grid/true_values.h"
 #include "io/file_stream.h"
 #include "io/format.h"
@@ -26,6 +27,13 @@ int64_t vvi_run_frames(const vv_run_input *in)
     return in->field || !in->file ? 1 : vv_file_info(in->file)->n_frames;
 }
 
+/* Whether nothing but the header of an input is asked for. */
+static bool is_grid_only(const vv_run *r, size_t input)
+{
+    const vv_operand *o = r->n_steps ? vv_operation_operand(r->steps[0].operation, input) : NULL;
+    return o && o->grid_only;
+}
+
 static vv_status choose_frames(vv_run *r)
 {
     const int64_t n = vvi_run_frames(&r->inputs[0]);
@@ -33,7 +41,7 @@ static vv_status choose_frames(vv_run *r)
     r->first_frame = chosen ? r->inputs[0].frame : 0;
     r->about.n_frames = r->n_results = chosen ? 1 : n;
     for (size_t i = 1; i < r->n_inputs && r->about.n_frames > 1; i++) {
-        const int64_t there = vvi_run_frames(&r->inputs[i]);
+        const int64_t there = is_grid_only(r, i) ? 1 : vvi_run_frames(&r->inputs[i]);
         if (r->inputs[i].frame < 0 && there != 1 && there != n)
             return vv_fail_at(VV_E_ARGUMENT, r->inputs[i].name, NULL,
                               "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
@@ -51,6 +59,8 @@ static vv_status choose_format(vv_run *r, const vv_run_output *output)
     const vv_registry *registry = vvi_job_registry(r->job);
     vv_write_options_init(&r->options, sizeof r->options);
     vvi_options_over(&r->options, sizeof r->options, output->options);
+    if (!r->path)
+        return VV_OK;
     return r->options.format ? vvi_format_named(&r->format, r->options.format, registry)
                              : vvi_format_of_output(&r->format, r->path, registry);
 }
@@ -58,7 +68,7 @@ static vv_status choose_format(vv_run *r, const vv_run_output *output)
 /* Layers of a segmentation in the place of time steps, where the output holds them. */
 static vv_status choose_layers(vv_run *r)
 {
-    if (!r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
+    if (!r->format || !r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
         return VV_OK;
     const vv_status st = vvi_layers_open(&r->layers, &r->inputs[0], r->job);
     r->about.n_layers = r->layers.n;
@@ -82,7 +92,7 @@ static bool in_order(const vv_step *step)
  * amounts. */
 static bool becomes_label(const vv_run *r, const vv_field_info *info)
 {
-    return r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
+    return r->format && r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
            !vv_type_is_float(info->type) && !vvi_has_scale(info);
 }
 
@@ -131,7 +141,7 @@ static vv_status plan_steps(vv_run *r)
         r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     }
     declare_label(&infos[0], r);
-    r->about.finds_type = vvi_format_writes_values(r->format, &infos[0], r->options.stored);
+    r->about.finds_type = r->format && vvi_format_writes_values(r->format, &infos[0], r->options.stored);
     r->about.info = r->about.result = r->about.written = infos[0];
     return VV_OK;
 }
@@ -146,7 +156,7 @@ static vv_status plan_reading(vv_run *r)
         const vv_status st = is_gap(in) ? VV_OK : vv_field_info_bytes(&bytes, info_of(in));
         if (st != VV_OK)
             return st;
-        if (in->file && !in->field && !vv_file_mappable(in->file))
+        if (!is_grid_only(r, i) && in->file && !in->field && !vv_file_mappable(in->file))
             r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
     }
     return VV_OK;
@@ -243,6 +253,25 @@ int64_t vvi_run_frame(const vv_run *r, const vv_run_input *in, int64_t index)
     return vvi_run_frames(in) > 1 ? r->first_frame + index : 0;
 }
 
+static vv_status refuse_samples(vv_field **out, void *user, const vv_box *box, vv_job *job)
+{
+    *out = NULL;
+    return vv_fail(VV_E_UNSUPPORTED, "the samples of an input were asked for, of which only the grid is known");
+}
+
+/* A field that has no samples. */
+static vv_status grid_of(vv_field **out, const vv_field_info *info, vv_job *job)
+{
+    const vvi_lazy_source none = {.make = refuse_samples};
+    vvi_lazy_pool *pool;
+    *out = NULL;
+    vv_status st = vvi_lazy_pool_new(&pool, 1, job);
+    if (st == VV_OK)
+        st = vvi_field_lazy(out, info, &none, pool, job);
+    vvi_lazy_pool_release(pool);
+    return st;
+}
+
 static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64_t index)
 {
     const vv_run_input *in = &r->inputs[input];
@@ -253,6 +282,8 @@ static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64
         *out = in->field ? vv_field_retain(in->field) : NULL;
         return VV_OK;
     }
+    if (is_grid_only(r, input))
+        return grid_of(out, vv_file_info(file), r->job);
     return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
                              : vv_file_read(out, file, frame, NULL, r->job);
 }
@@ -338,7 +369,7 @@ static vv_status make_frames(vv_run *r)
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */
 static vv_status allow_repeats(vv_run *r)
 {
-    bool again = r->about.streamed && (r->format->labels_only || r->about.finds_type);
+    bool again = r->about.streamed && (!r->format || r->format->labels_only || r->about.finds_type);
     vv_status st = VV_OK;
     for (size_t s = 0; s < r->n_steps; s++)
         again = again || (r->about.streamed && !in_order(&r->steps[s])) || settles(r, &r->steps[s]);
@@ -380,6 +411,11 @@ const vv_mesh *vv_run_mesh(const vv_run *run)
     return run->mesh;
 }
 
+const vv_field *vv_run_field(const vv_run *run, int64_t index)
+{
+    return run->results && index >= 0 && index < run->n_results ? run->results[index] : NULL;
+}
+
 static vv_status write_fields(vv_run *run)
 {
     vv_write_options options = run->options;
@@ -404,6 +440,8 @@ static vv_status write_fields(vv_run *run)
 
 vv_status vv_run_write(vv_run *run)
 {
+    if (!run->path)
+        return vv_fail(VV_E_ARGUMENT, "%s: there is no file to write the result to", run->name);
     if (run->written)
         return vv_fail(VV_E_ARGUMENT, "%s: is written already", run->name);
     const vv_status st = run->results || run->mesh ? VV_OK : vv_run_make(run);

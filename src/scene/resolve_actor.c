@@ -67,7 +67,7 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
     vv_field *field = NULL;
     vv_status st = vvi_find_dataset(&dataset, world, volume, path);
     if (st == VV_OK)
-        st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
+        st = vv_dataset_field(&field, world, dataset, volume->attribute, volume->frame, job);
     if (st != VV_OK) /* a file's error says which file; others must say of which volume they speak */
         return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s", path);
     actor->field = field;
@@ -207,7 +207,7 @@ static vv_status load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_j
         return fail_at(cast->path, "paint.data", VV_E_NOT_FOUND, text);
     }
     vv_field *field = NULL;
-    const vv_status st = vv_dataset_field(&field, dataset, paint->attribute, paint->frame, job);
+    const vv_status st = vv_dataset_field(&field, cast->world, dataset, paint->attribute, paint->frame, job);
     if (st != VV_OK)
         return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s.paint", cast->path);
     out->field = field;

@@ -93,7 +93,14 @@ static void fix_classes(writer *w, const vv_actor *actor)
     put_rows(w, "segmentation.transfer.color", c->color, c->n_color, 4);
 }
 
-static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
+/* A window that is written down would say that what lies below it is clear. */
+static void fix_overlay(writer *w, const vv_slice_look *look)
+{
+    put_json(w, "slices.clear_below", look->clear_below ? "true" : "false");
+    put_number(w, "slices.opacity", look->opacity);
+}
+
+static void fix_actor(writer *w, const vv_actor *actor, bool first, const vv_world *world)
 {
     const vv_volume *volume = (const vv_volume *)vv_collection_find(world->volumes, actor->id);
     snprintf(w->prefix, sizeof w->prefix, "volumes.%s.", actor->id);
@@ -108,6 +115,8 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
         put_number(w, "slices.window_hi", actor->slices.hi);
         if (vvi_two_sided_map(actor->slices.colormap))
             put_word(w, "slices.colormap", VVI_TWO_SIDED_MAP);
+        if (!first && actor->slices.blend == VV_SLICE_OVER)
+            fix_overlay(w, &actor->slices);
     }
     if (actor->texture.kind != VV_TEXTURE_NONE)
         put_number(w, "texture.frequency", actor->texture.frequency);
@@ -166,7 +175,7 @@ vv_status vv_scene_fix(vv_world **out, const vv_scene *scene)
     writer w = {.root = vv_object_retain(&scene->world->base), .context = vvi_registry_context(r->registry)};
     *out = NULL;
     for (size_t i = 0; i < scene->n_actors; i++)
-        fix_actor(&w, &scene->actors[i], scene->world);
+        fix_actor(&w, &scene->actors[i], i == 0, scene->world);
     w.prefix[0] = 0;
     if (scene->n_actors + scene->n_shapes)
         put_vec(&w, "cross_hair", scene->cross_hair);

@@ -248,7 +248,7 @@ static vv_status load(vv_shape *shape, double *load_s, const vv_world *world, co
     const vv_dataset *dataset;
     vv_status st = vvi_find_dataset(&dataset, world, volume, path);
     if (st == VV_OK)
-        st = vv_dataset_mesh(&shape->mesh, dataset, job);
+        st = vv_dataset_mesh(&shape->mesh, world, dataset, job);
     if (st != VV_OK)
         return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s", path);
     *load_s += vvi_render_clock() - start;

@@ -3,7 +3,7 @@
 #include "scene/two_sided.h"
 #include <math.h>
 
-#define OVER_OTHERS 0.5 /* opacity */
+#define OVER_OTHERS 0.5 /* opacity of what covers all that is below it */
 
 /* A channel: its colour map is one colour. */
 static bool is_channel(const vv_transfer *transfer)
@@ -64,9 +64,6 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
     *look = (vv_slice_look){.colors = slices->colors, .blend = channel ? VV_SLICE_ADD : VV_SLICE_OVER};
     if (vv_object_is_set(&slices->base, "blend"))
         look->blend = slices->blend;
-    look->opacity = vv_object_is_set(&slices->base, "opacity") ? slices->opacity
-                    : i && look->blend == VV_SLICE_OVER        ? OVER_OTHERS
-                                                               : 1;
     vvi_value_fit fit;
     const bool middle = !channel && about_zero(&fit, actor, slices);
     look->colormap = slices->colormap ? slices->colormap
@@ -80,5 +77,11 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
     }
     const bool over = i > 0 && look->blend == VV_SLICE_OVER;
     look->clear_middle = over && vvi_two_sided_map(look->colormap) && vvi_about_zero(look->lo, look->hi);
-    look->clear_below = over && !look->clear_middle && vv_object_is_set(&slices->base, "window_lo");
+    look->clear_below = vv_object_is_set(&slices->base, "clear_below")
+                            ? slices->clear_below
+                            : over && !look->clear_middle && vv_object_is_set(&slices->base, "window_lo");
+    /* a map whose weak values are clear shows what is below it there: its colours are seen whole */
+    const bool mapped = !actor->colors && actor->classes.kind != VV_SEGMENT_LABELS && slices->colors == VV_SLICE_WINDOW;
+    const bool covers = over && !(mapped && (look->clear_middle || look->clear_below));
+    look->opacity = vv_object_is_set(&slices->base, "opacity") ? slices->opacity : covers ? OVER_OTHERS : 1;
 }

@@ -175,7 +175,7 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     const vv_registry *registry = vvi_job_registry(job);
     const vv_dataset *source = find_dataset(world, s->source);
     vv_object *params = NULL;
-    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
+    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, world, source, registry, job);
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
         if (!s->operation->inputs[0].names || !s->inputs)
@@ -244,7 +244,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     if (!dataset || !dataset->path)
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     const char *suffix;
-    vv_status st = vvi_request_suffix(&suffix, r->operation, dataset, job);
+    vv_status st = vvi_request_suffix(&suffix, r->operation, r->world, dataset, job);
     making lines = {&text, r->world, 0, job};
     if (st == VV_OK && (st = put_making_of(&lines, r->dataset)) == VV_OK &&
         (st = for_others(r->inputs, visit_making, &lines)) == VV_OK)

@@ -1,4 +1,6 @@
 #include "operations.h"
+#include "fields.h"
+#include "jobs.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,11 +32,15 @@ vv_object *test_params(const vv_operation *operation, const char *settings, cons
     return object;
 }
 
-static void check_plan(const vv_operation *operation, const vv_field *in, const vv_object *params, const vv_field *out)
+static void check_plan(const vv_operation *operation, const vv_field *const *inputs, size_t n, const vv_object *params,
+                       const vv_field *out)
 {
-    vv_field_info planned;
+    vv_field_info planned, infos[16] = {0};
     const vv_field_info *got = vv_field_get_info(out);
-    assert_int_equal(operation->plan(&planned, vv_field_get_info(in), 1, params), VV_OK);
+    for (size_t i = 0; i < n; i++)
+        if (inputs[i])
+            infos[i] = *vv_field_get_info(inputs[i]);
+    assert_int_equal(operation->plan(&planned, infos, n, params), VV_OK);
     assert_memory_equal(planned.grid.dims, got->grid.dims, sizeof planned.grid.dims);
     assert_memory_equal(&planned.grid.index_to_world, &got->grid.index_to_world, sizeof planned.grid.index_to_world);
     assert_int_equal(planned.type, got->type);
@@ -51,7 +57,7 @@ vv_status test_apply(vv_field **out, const vv_operation *operation, const vv_fie
         return vv_error_last()->status;
     const vv_status st = vv_operation_run(out, operation, &in, 1, params, job);
     if (st == VV_OK)
-        check_plan(operation, in, params, *out);
+        check_plan(operation, &in, 1, params, *out);
     else
         assert_null(*out);
     vv_object_release(params);
@@ -82,4 +88,66 @@ bool test_same_samples_by(const vv_field *a, const vv_field *b, vv_job *job)
     vv_brick_release(&ba);
     vv_brick_release(&bb);
     return same;
+}
+
+static vv_field *run_with(const vv_operation *operation, const vv_field *const *inputs, size_t n, const char *settings,
+                          int threads)
+{
+    vv_job *job = test_job(threads, 0);
+    vv_field *out = NULL;
+    vv_object *params = test_params(operation, settings, &vv_field_get_info(inputs[0])->grid);
+    if (!params || vv_operation_run(&out, operation, inputs, n, params, job) != VV_OK)
+        fail_msg("%s %s: %s", operation->name, settings, vv_error_last()->message);
+    check_plan(operation, inputs, n, params, out);
+    vv_object_release(params);
+    vv_job_release(job);
+    return out;
+}
+
+/* A box that depends on `seed`, somewhere in the grid. */
+static vv_box some_box(const int64_t dims[3], uint64_t seed)
+{
+    vv_box box;
+    for (int a = 0; a < 3; a++) {
+        box.lo[a] = (int64_t)(test_random(seed, (uint64_t)a) % (uint64_t)dims[a]);
+        box.n[a] = 1 + (int64_t)(test_random(seed, 3 + (uint64_t)a) % (uint64_t)(dims[a] - box.lo[a]));
+    }
+    return box;
+}
+
+static void check_box(const vv_field *part, const vv_field *whole, const vv_box *box)
+{
+    const vv_field_info *info = vv_field_get_info(whole);
+    const size_t row = (size_t)box->n[0] * vv_type_bytes(info->type) * (size_t)info->components;
+    const vv_box all = vv_field_box(part);
+    vv_brick a, b;
+    assert_memory_equal(all.n, box->n, sizeof all.n);
+    assert_int_equal(vv_field_brick(&a, part, &all, NULL), VV_OK);
+    assert_int_equal(vv_field_brick(&b, whole, box, NULL), VV_OK);
+    for (int64_t k = 0; k < box->n[2]; k++)
+        for (int64_t j = 0; j < box->n[1]; j++)
+            assert_memory_equal((const char *)a.data + j * a.stride[1] + k * a.stride[2],
+                                (const char *)b.data + j * b.stride[1] + k * b.stride[2], row);
+    vv_brick_release(&a);
+    vv_brick_release(&b);
+}
+
+vv_field *test_apply_all_ways(const vv_operation *operation, const vv_field *const *inputs, size_t n,
+                              const char *settings)
+{
+    vv_field *out = run_with(operation, inputs, n, settings, 1), *again = run_with(operation, inputs, n, settings, 3);
+    if (!test_same_samples(out, again))
+        fail_msg("%s %s: three threads make other bytes than one", operation->name, settings);
+    vv_field_release(again);
+    vv_object *params = test_params(operation, settings, &vv_field_get_info(inputs[0])->grid);
+    for (uint64_t i = 0; i < 5 && operation->run_box; i++) {
+        const vv_box box = some_box(vv_field_get_info(out)->grid.dims, i + 1);
+        vv_field *part = NULL;
+        if (operation->run_box(&part, inputs, n, params, &box, NULL) != VV_OK)
+            fail_msg("%s %s: %s", operation->name, settings, vv_error_last()->message);
+        check_box(part, out, &box);
+        vv_field_release(part);
+    }
+    vv_object_release(params);
+    return out;
 }

@@ -16,4 +16,8 @@ vv_status test_apply(vv_field **out, const vv_operation *operation, const vv_fie
 bool test_same_samples(const vv_field *a, const vv_field *b);
 /** The same; a lazy field makes its samples with this job. */
 bool test_same_samples_by(const vv_field *a, const vv_field *b, vv_job *job);
+/** Runs it on several inputs, of which some may be NULL, and fails the test unless one and three threads make the same
+ * bytes, run_box() those of every box that is tried, and plan() foretells all of it. The result; the caller's. */
+vv_field *test_apply_all_ways(const vv_operation *operation, const vv_field *const *inputs, size_t n,
+                              const char *settings);
 #endif

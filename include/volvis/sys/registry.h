@@ -116,7 +116,8 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
-struct vvi_surface_row; /* of the library alone */
+struct vvi_surface_row; /* of the library alone, as is the next */
+struct vvi_made_data;   /* src/model/made_data.h */
 
 /** An input of an operation. */
 typedef struct vv_operand {
@@ -125,6 +126,8 @@ typedef struct vv_operand {
     size_t least, most; /**< how many: 1 and 1, unless it is optional or several. Only the last of a row is several */
     const char *doc;
     const char *names; /**< of several that people name as they like: the parameter of the names, as in "a,b" */
+    bool names_labels; /**< labels that parameters name are those of its file; where no operand says so, of the first */
+    bool grid_only;    /**< only where its samples lie is looked at: none is read, and any time step will do */
 } vv_operand;
 
 /** The commonest inputs: one volume, one mesh. */
@@ -300,6 +303,7 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
+    const struct vvi_made_data *made_data; /**< how data are made of others; of the library alone */
 } vv_registry;
 
 /** Everything that is built in: src/registry.c. A program adds rows of its own by vv_runtime_options.more. */

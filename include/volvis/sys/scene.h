@@ -89,7 +89,7 @@ typedef struct vv_slice_look {
     const char *colormap; /**< a name, which may be of no map */
     int blend;            /**< vv_slice_blend */
     double opacity;
-    bool clear_below;  /**< values below the window are clear: of overlays whose window somebody set */
+    bool clear_below;  /**< values below the window are clear: by themselves of overlays whose window somebody set */
     bool clear_middle; /**< the middle of the window is clear, and opacity grows away from it: of overlays about zero */
 } vv_slice_look;
 

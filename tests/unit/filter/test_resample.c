@@ -147,6 +147,160 @@ static void shrinking_averages(void **state)
     vv_field_release(in);
 }
 
+/* A grid turned about z, y and x, with another spacing, around the middle of `of`. */
+static vv_grid turned(const vv_grid *of)
+{
+    vv_grid g = *of;
+    g.dims[0] = 29, g.dims[1] = 31, g.dims[2] = 23;
+    g.index_to_world.axis[0] = (vv_vec3){0.15, 0.2, -0.1}; /* so near that kernels are not widened */
+    g.index_to_world.axis[1] = (vv_vec3){-0.25, 0.1, 0.15};
+    g.index_to_world.axis[2] = (vv_vec3){0.2, -0.1, 0.75};
+    const vv_vec3 middle = vv_affine_point(of->index_to_world, (vv_vec3){8, 5.5, 4});
+    g.index_to_world.origin = (vv_vec3){0, 0, 0};
+    const vv_vec3 half = vv_affine_point(g.index_to_world, (vv_vec3){14, 15, 11});
+    g.index_to_world.origin = (vv_vec3){middle.x - half.x, middle.y - half.y, middle.z - half.z};
+    return g;
+}
+
+static bool is_inside(vv_vec3 at, const int64_t *d)
+{
+    const double most = 0.5 + 1e-6; /* what rounding may bring in */
+    return at.x >= -most && at.y >= -most && at.z >= -most && at.x <= (double)d[0] - 1 + most &&
+           at.y <= (double)d[1] - 1 + most && at.z <= (double)d[2] - 1 + most;
+}
+
+static bool is_between(vv_vec3 at, const int64_t *d)
+{
+    return at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x <= (double)d[0] - 1 && at.y <= (double)d[1] - 1 &&
+           at.z <= (double)d[2] - 1;
+}
+
+/* Between samples a linear function stays one, wherever the other grid lies; outside is the fill. */
+static void onto_another_grid_a_linear_function_stays_one(void **state)
+{
+    const vv_field_info info = oblique();
+    vv_affine back;
+    assert_true(vv_affine_invert(&back, info.grid.index_to_world));
+    vv_field *in = test_field(&test_form_ramp, &info, NULL);
+    for (int way = 0; way < 3; way++) {
+        vv_field_info to = vv_field_info_default();
+        to.grid = turned(&info.grid);
+        if (way) { /* along the axes, mirrored in x, and beyond in y */
+            to.grid = info.grid;
+            to.grid.index_to_world.axis[0] = (vv_vec3){-0.4, -0.2, 0};
+            to.grid.index_to_world.axis[2] = (vv_vec3){0.2, 0, 1.6};
+            to.grid.index_to_world.origin = vv_affine_point(info.grid.index_to_world, (vv_vec3){12.2, -2.1, 0.3});
+        }
+        vv_field *onto = test_field_random(&to, 1, NULL);
+        const vv_field *inputs[] = {in, onto};
+        const char *settings = way == 2 ? "fill=-7" : "";
+        vv_field *out = test_apply_all_ways(&vvi_operation_resample, inputs, 2, settings);
+        int64_t between = 0, outside = 0;
+        assert_memory_equal(&vv_field_get_info(out)->grid, &to.grid, sizeof to.grid);
+        for (int64_t n = 0; n < to.grid.dims[0] * to.grid.dims[1] * to.grid.dims[2]; n++) {
+            const int64_t i = n % to.grid.dims[0], j = n / to.grid.dims[0] % to.grid.dims[1],
+                          k = n / to.grid.dims[0] / to.grid.dims[1];
+            const vv_vec3 at = vv_affine_point(back, world(out, i, j, k));
+            const double found = vv_field_value(out, i, j, k, 0);
+            between += is_between(at, info.grid.dims);
+            outside += !is_inside(at, info.grid.dims);
+            if (is_between(at, info.grid.dims))
+                assert_true(fabs(found - test_form_ramp.value(world(out, i, j, k))) < 1e-9);
+            else if (!is_inside(at, info.grid.dims))
+                assert_true(way == 2 ? found == -7 : isnan(found));
+            else
+                assert_true(isfinite(found));
+        }
+        assert_true(between > 500 && outside > 100);
+        vv_field_release(out);
+        vv_field_release(onto);
+    }
+    vv_field_release(in);
+}
+
+/* Every type and kernel, in whatever order of axes: onto the own grid nothing changes, onto the turned one labels are
+ * those of the nearest sample. */
+static void onto_the_same_places_nothing_changes(void **state)
+{
+    static const char *const kernels[] = {"linear", "nearest", "cubic", "lanczos"};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        for (int n = 0; n < 4; n++) {
+            vv_field_info info = oblique(), other = oblique();
+            char settings[40];
+            info.type = type == VV_TYPE_U64 ? VV_TYPE_U32 : type == VV_TYPE_I64 ? VV_TYPE_I32 : type;
+            info.components = 2;
+            info.value_scale = 0.5;
+            other.grid.index_to_world.axis[1] = info.grid.index_to_world.axis[2]; /* y and z exchanged */
+            other.grid.index_to_world.axis[2] = info.grid.index_to_world.axis[1];
+            other.grid.dims[1] = info.grid.dims[2];
+            other.grid.dims[2] = info.grid.dims[1];
+            vv_field *in = test_field_random(&info, 4, NULL), *onto = test_field_random(&other, 4, NULL);
+            const vv_field *same[] = {in, in}, *exchanged[] = {in, onto};
+            snprintf(settings, sizeof settings, "interpolation=\"%s\"", kernels[n]);
+            vv_field *out = test_apply_all_ways(&vvi_operation_resample, same, 2, settings);
+            if (!test_same_samples(in, out))
+                fail_msg("%s, %s", vv_type_name(info.type), kernels[n]);
+            vv_field_release(out);
+            out = test_apply_all_ways(&vvi_operation_resample, exchanged, 2, settings);
+            for (int64_t at = 0; at < 17 * 12 * 9; at++)
+                for (int c = 0; c < 2; c++) {
+                    const double was = vv_field_value(in, at % 17, at / 17 % 12, at / 204, c);
+                    assert_true(fabs(vv_field_value(out, at % 17, at / 204, at / 17 % 12, c) - was) <=
+                                1e-9 * fabs(was));
+                }
+            vv_field_release(out);
+            vv_field_release(in);
+            vv_field_release(onto);
+        }
+}
+
+/* Kernels that are as wide as asked for, by their formulas: the weights of a place in the middle. */
+static void lanczos_is_the_windowed_sinc(void **state)
+{
+    const double pi = acos(-1), start[2] = {10.3, 9.7}, step[2] = {0.5, 2.5};
+    for (int n = 0; n < 2; n++) {
+        vvi_resample_axis a;
+        assert_int_equal(vvi_resample_axis_make(&a, VVI_RESAMPLE_LANCZOS, 40, 5, start[n], step[n], NULL), VV_OK);
+        for (int64_t i = 0; i < 5; i++) {
+            const double at = start[n] + (double)i * step[n], width = fmax(step[n], 1);
+            double want[40], sum = 0;
+            for (int k = 0; k < 40; k++) {
+                const double x = pi * (k - at) / width;
+                want[k] = fabs(x) >= 3 * pi ? 0 : fabs(x) < 1e-9 ? 1 : sin(x) / x * sin(x / 3) / (x / 3);
+                sum += want[k];
+            }
+            for (int k = 0; k < 40; k++) {
+                const int64_t t = k - a.first[i];
+                const double found = t >= 0 && t < a.count[i] ? a.w[i * a.most + t] : 0;
+                assert_true(fabs(found - want[k] / sum) < 1e-12);
+            }
+        }
+        vvi_resample_axis_free(&a);
+    }
+}
+
+static void what_cannot_be_placed_is_refused(void **state)
+{
+    vv_field_info info = oblique(), mm = oblique();
+    strcpy(mm.grid.unit, "mm");
+    vv_field *in = test_field_random(&info, 3, NULL), *placed = test_field_random(&mm, 3, NULL), *out;
+    mm.grid.space = VV_SPACE_RAS;
+    vv_field *anatomical = test_field_random(&mm, 3, NULL);
+    const vv_field *const pairs[3][2] = {{in, placed}, {placed, anatomical}, {in, in}};
+    static const char *const settings[] = {"", "", "dims=[3,3,3]"}, *const said[] = {"has no spacing", "anatomical",
+                                                                                     "omit"};
+    for (int n = 0; n < 3; n++) {
+        vv_object *params = test_params(&vvi_operation_resample, settings[n], &info.grid);
+        assert_int_equal(vv_operation_run(&out, &vvi_operation_resample, pairs[n], 2, params, NULL), VV_E_ARGUMENT);
+        assert_non_null(strstr(vv_error_last()->message, said[n]));
+        vv_object_release(params);
+    }
+    assert_int_equal(test_apply(&out, &vvi_operation_resample, in, "fill=3", NULL), VV_E_ARGUMENT);
+    vv_field_release(in);
+    vv_field_release(placed);
+    vv_field_release(anatomical);
+}
+
 static void labels_keep_their_names(void **state)
 {
     (void)state;
@@ -225,6 +379,10 @@ int main(void)
         cmocka_unit_test(the_middle_stays_and_the_spacing_is_the_one_asked_for),
         cmocka_unit_test(errors_fall_with_their_orders),
         cmocka_unit_test(shrinking_averages),
+        cmocka_unit_test(onto_another_grid_a_linear_function_stays_one),
+        cmocka_unit_test(onto_the_same_places_nothing_changes),
+        cmocka_unit_test(lanczos_is_the_windowed_sinc),
+        cmocka_unit_test(what_cannot_be_placed_is_refused),
         cmocka_unit_test(labels_keep_their_names),
         cmocka_unit_test(every_order_of_axes_keeps_every_sample_in_place),
         cmocka_unit_test(letters_name_the_direction_of_increase),

@@ -136,15 +136,25 @@ static void find_scale(vv_field_info *info, vvi_dicom_plan *plan)
         info->value_scale = dose;
 }
 
+/* Of PET (C.8.9.1.1.3): what has another spelling everywhere else. */
+static const char *unit_of_term(const char *term)
+{
+    static const char *const terms[][2] = {{"BQML", "Bq/ml"},  {"GML", "g/ml"},     {"CM2ML", "cm2/ml"},
+                                           {"CNTS", "counts"}, {"CPS", "counts/s"}, {"PCNT", "%"},
+                                           {"NONE", ""}};
+    for (size_t i = 0; i < sizeof terms / sizeof *terms; i++)
+        if (strcmp(term, terms[i][0]) == 0)
+            return terms[i][1];
+    return term;
+}
+
 static void find_unit(vv_field_info *info, const vvi_dicom_image *image)
 {
     const char *type = image->text[VVI_DICOM_RESCALE_TYPE], *unit = "";
     if (strcmp(image->text[VVI_DICOM_DOSE_UNITS], "GY") == 0)
         unit = "Gy";
-    else if (strcmp(image->text[VVI_DICOM_UNITS], "BQML") == 0)
-        unit = "Bq/ml";
-    else if (image->text[VVI_DICOM_UNITS][0] && strcmp(image->text[VVI_DICOM_UNITS], "NONE") != 0)
-        unit = image->text[VVI_DICOM_UNITS];
+    else if (*unit_of_term(image->text[VVI_DICOM_UNITS]))
+        unit = unit_of_term(image->text[VVI_DICOM_UNITS]);
     else if (!type[0] && strcmp(image->text[VVI_DICOM_MODALITY], "CT") == 0 && isfinite(image->values.intercept))
         unit = "HU";
     else if (strlen(type) < sizeof info->value_unit && !strchr(type, ' ') && strcmp(type, "US") != 0 &&

@@ -54,9 +54,9 @@ static vv_status add_notes(const vvi_zarr_choice *c, vv_notes *notes)
 {
     vv_status st = vvi_notes_add(notes, "zarr_format", c->array_node.version == 2 ? "2" : "3");
     const json_t *ome = vvi_zarr_ome(&c->image_node);
-    const char *version = vvi_zarr_text(ome, "version");
+    const char *version = vvi_json_text(ome, "version");
     if (!version)
-        version = vvi_zarr_text(json_array_get(json_object_get(ome, "multiscales"), 0), "version");
+        version = vvi_json_text(json_array_get(json_object_get(ome, "multiscales"), 0), "version");
     if (st == VV_OK && version)
         st = vvi_notes_add(notes, "ome_zarr_version", version);
     if (st == VV_OK && c->image && c->image->name[0])

@@ -1,6 +1,6 @@
 /** @file
  * Zarr, versions 2 and 3, and OME-Zarr in it. A hierarchy is a folder with groups and arrays; a node's metadata is JSON
- * beside it. Parts: zarr_json.c (JSON within the limits), zarr_tree.c (nodes of a folder), zarr_v2.c and zarr_v3.c
+ * beside it. Parts: zarr_tree.c (nodes of a folder), zarr_v2.c and zarr_v3.c
  * (an array's metadata), zarr_codecs.c (how chunks are coded), zarr_filters.c and zarr_blocks.c (decoding one),
  * zarr_chunks.c (a box of an array), zarr_copy.c (its samples), zarr_shards.c (chunks that lie together in a file),
  * zarr_ome.c (axes and placement), zarr_cf.c (what numbers mean by the CF conventions), zarr_labels.c (channels and
@@ -9,31 +9,14 @@
 #ifndef VVI_IO_ZARR_H
 #define VVI_IO_ZARR_H
 #include "io/cf.h"
+#include "io/json.h"
 #include "io/layout.h"
 #include "io/notes.h"
-#include <jansson.h>
 
 #define VVI_ZARR_AXES 8
 #define VVI_ZARR_CODECS 8
 #define VVI_ZARR_LEVELS 32
 #define VVI_ZARR_PATH 1024
-
-/* JSON ---------------------------------------------------------------------------------------------------------- */
-
-/** An object of JSON in memory, which is written to. */
-vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job);
-/** A file of JSON in the folder; *out is NULL when it is not there. */
-vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job);
-/** A whole number: also one that is written as a real. */
-bool vvi_zarr_whole(int64_t *out, const json_t *value);
-/** The id of a label: a whole number, or its digits, which those past 64 bits with a sign become here. */
-bool vvi_zarr_label(vv_label_id *out, const json_t *value);
-/** A finite number. */
-bool vvi_zarr_real(double *out, const json_t *value);
-/** Text, or NULL. */
-const char *vvi_zarr_text(const json_t *object, const char *key);
-/** Copies text to room of `room` bytes, cut and made clean. */
-void vvi_zarr_copy(char *out, size_t room, const char *text);
 
 /* Nodes --------------------------------------------------------------------------------------------------------- */
 

@@ -21,7 +21,7 @@ vv_status vvi_zarr_sizes(int64_t *out, int *n_out, const json_t *list, const cha
     if (n > VVI_ZARR_AXES)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %zu axes; at most %d can be read", n, VVI_ZARR_AXES);
     for (size_t i = 0; i < n; i++)
-        if (!vvi_zarr_whole(&out[i], json_array_get(list, i)) || out[i] < 1 || (uint64_t)out[i] > AXIS_MOST)
+        if (!vvi_json_whole(&out[i], json_array_get(list, i)) || out[i] < 1 || (uint64_t)out[i] > AXIS_MOST)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "entry %zu of '%s' is not a whole number from 1 to %llu", i + 1,
                               key, (unsigned long long)AXIS_MOST);
     *n_out = (int)n;
@@ -57,7 +57,8 @@ static void name_axes(vvi_zarr_array *a, const json_t *names)
         return;
     for (int i = 0; i < a->n_axes; i++)
         if (!a->axis_name[i][0])
-            vvi_zarr_copy(a->axis_name[i], sizeof a->axis_name[i], json_string_value(json_array_get(names, (size_t)i)));
+            vvi_json_copy_text(a->axis_name[i], sizeof a->axis_name[i],
+                               json_string_value(json_array_get(names, (size_t)i)));
 }
 
 vv_status vvi_zarr_array_of(vvi_zarr_array *out, const vvi_zarr_node *node, const vvi_zarr_tree *tree)

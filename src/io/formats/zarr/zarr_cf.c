@@ -58,14 +58,17 @@ static bool text_of(char *out, size_t room, const void *user, const char *name)
 {
     const vvi_zarr_node *node = user;
     const json_t *value = json_object_get(node->attributes, name);
-    vvi_zarr_copy(out, room, json_is_true(value) ? "true" : json_is_false(value) ? "false" : json_string_value(value));
+    vvi_json_copy_text(out, room,
+                       json_is_true(value)    ? "true"
+                       : json_is_false(value) ? "false"
+                                              : json_string_value(value));
     return out[0] != 0;
 }
 
 vv_status vvi_zarr_take_cf(vv_field_info *info, vvi_zarr_array *array, const vvi_zarr_node *node, vv_notes *notes)
 {
     const vvi_cf_attributes of = {.user = node, .numbers = numbers_of, .is_float = is_float, .text = text_of};
-    const char *unit = vvi_zarr_text(node->attributes, "units");
+    const char *unit = vvi_json_text(node->attributes, "units");
     const bool scaled = info->value_scale != 1 || info->value_offset != 0; /* as we wrote it */
     vvi_cf_gaps *gaps = &array->gaps;
     if (unit && !info->value_unit[0])

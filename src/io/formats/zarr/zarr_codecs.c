@@ -12,7 +12,7 @@ static bool same_type(const vvi_zarr_type *a, const vvi_zarr_type *b)
 /* dtype and astype of a filter; astype defaults to dtype. */
 static vv_status read_types(vvi_zarr_codec *c, const char *codec, const json_t *config, const char *name)
 {
-    const char *plain = vvi_zarr_text(config, "dtype"), *stored = vvi_zarr_text(config, "astype");
+    const char *plain = vvi_json_text(config, "dtype"), *stored = vvi_json_text(config, "astype");
     stored = stored ? stored : plain;
     if (vvi_zarr_type_v2(&c->plain, plain) && vvi_zarr_type_v2(&c->stored, stored) && !c->plain.half && !c->stored.half)
         return VV_OK;
@@ -25,7 +25,7 @@ static vv_status read_shuffle(vvi_zarr_codec *c, const json_t *config, const cha
 {
     int64_t bytes = 4;
     const json_t *said = json_object_get(config, "elementsize");
-    if (said && (!vvi_zarr_whole(&bytes, said) || bytes < 1 || bytes > 256))
+    if (said && (!vvi_json_whole(&bytes, said) || bytes < 1 || bytes > 256))
         return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'elementsize' of its filter shuffle is not from 1 to 256");
     c->element_bytes = (size_t)bytes;
     return VV_OK;
@@ -33,8 +33,8 @@ static vv_status read_shuffle(vvi_zarr_codec *c, const json_t *config, const cha
 
 static vv_status read_fixed(vvi_zarr_codec *c, const json_t *config, const char *name)
 {
-    if (vvi_zarr_real(&c->scale, json_object_get(config, "scale")) && c->scale != 0 &&
-        vvi_zarr_real(&c->offset, json_object_get(config, "offset")))
+    if (vvi_json_real(&c->scale, json_object_get(config, "scale")) && c->scale != 0 &&
+        vvi_json_real(&c->offset, json_object_get(config, "offset")))
         return read_types(c, "fixedscaleoffset", config, name);
     return vv_fail_at(VV_E_FORMAT, name, NULL, "its filter fixedscaleoffset has no 'scale' and 'offset'");
 }
@@ -85,7 +85,7 @@ static vv_status find(const struct known **out, const char *codec, const char *n
 static vv_status read_config(vvi_zarr_codec *c, const char *codec, const json_t *config, const char *name)
 {
     int64_t format = 1;
-    const char *location = vvi_zarr_text(config, "location");
+    const char *location = vvi_json_text(config, "location");
     switch (c->code) {
     case VVI_ZARR_SHUFFLE:
         return read_shuffle(c, config, name);
@@ -98,7 +98,7 @@ static vv_status read_config(vvi_zarr_codec *c, const char *codec, const json_t 
                    ? VV_OK
                    : vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "its checksums crc32c do not stand at the end");
     case VVI_ZARR_LZMA:
-        return !vvi_zarr_whole(&format, json_object_get(config, "format")) || format == 1 || format == 2
+        return !vvi_json_whole(&format, json_object_get(config, "format")) || format == 1 || format == 2
                    ? VV_OK
                    : vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "its lzma data has no header; formats 1 and 2 are known");
     default:

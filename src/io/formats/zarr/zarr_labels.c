@@ -55,11 +55,11 @@ static vv_status read_channels(const vv_field_info *info, const json_t *ome, con
         const json_t *said = json_array_get(list, i), *window = json_object_get(said, "window");
         vv_channel channel = {0};
         double lo, hi;
-        vvi_zarr_copy(channel.name, sizeof channel.name, vvi_zarr_text(said, "label"));
-        read_hex_color(&channel, vvi_zarr_text(said, "color"));
+        vvi_json_copy_text(channel.name, sizeof channel.name, vvi_json_text(said, "label"));
+        read_hex_color(&channel, vvi_json_text(said, "color"));
         channel.has_color = channel.has_color && !is_uncolored(&channel, uncolored, i);
-        if (vvi_zarr_real(&lo, json_object_get(window, "start")) &&
-            vvi_zarr_real(&hi, json_object_get(window, "end")) && lo < hi) {
+        if (vvi_json_real(&lo, json_object_get(window, "start")) &&
+            vvi_json_real(&hi, json_object_get(window, "end")) && lo < hi) {
             channel.lo = lo;
             channel.hi = hi;
         }
@@ -74,7 +74,7 @@ static void read_name(vv_label *label, const json_t *property)
 {
     static const char *const keys[] = {"name", "Name", "label", "class", "cell type", "structure"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys && !label->name[0]; i++)
-        vvi_zarr_copy(label->name, sizeof label->name, vvi_zarr_text(property, keys[i]));
+        vvi_json_copy_text(label->name, sizeof label->name, vvi_json_text(property, keys[i]));
 }
 
 static void read_rgba(vv_label *label, const json_t *rgba)
@@ -83,7 +83,7 @@ static void read_rgba(vv_label *label, const json_t *rgba)
     if (json_array_size(rgba) < 3 || json_array_size(rgba) > 4)
         return;
     for (size_t i = 0; i < json_array_size(rgba); i++)
-        if (!vvi_zarr_real(&v[i], json_array_get(rgba, i)))
+        if (!vvi_json_real(&v[i], json_array_get(rgba, i)))
             return;
     label->has_color = true;
     label->color =
@@ -107,7 +107,7 @@ static size_t gather(vv_label *out, const json_t *image_label)
         json_array_foreach(json_object_get(image_label, lists[l]), i, entry)
         {
             vv_label label = {0};
-            if (!vvi_zarr_label(&label.value, json_object_get(entry, "label-value")))
+            if (!vvi_json_label(&label.value, json_object_get(entry, "label-value")))
                 continue;
             if (l == 0)
                 read_rgba(&label, json_object_get(entry, "rgba"));
@@ -176,7 +176,7 @@ static void read_placement(vv_field_info *info, const json_t *rows)
     for (size_t i = 0; i < 3; i++)
         for (size_t k = 0; k < 4; k++)
             if (json_array_size(rows) != 3 || json_array_size(json_array_get(rows, i)) != 4 ||
-                !vvi_zarr_real(&m[i][k], json_array_get(json_array_get(rows, i), k)))
+                !vvi_json_real(&m[i][k], json_array_get(json_array_get(rows, i), k)))
                 return;
     const vv_affine old = info->grid.index_to_world;
     const vv_affine turn = {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}},
@@ -192,17 +192,17 @@ static void read_placement(vv_field_info *info, const json_t *rows)
 static void read_own(vv_field_info *info, const json_t *own)
 {
     double scale, offset;
-    const char *space = vvi_zarr_text(own, "space");
-    if (vvi_zarr_real(&scale, json_object_get(own, "value_scale")) && scale != 0 &&
-        vvi_zarr_real(&offset, json_object_get(own, "value_offset"))) {
+    const char *space = vvi_json_text(own, "space");
+    if (vvi_json_real(&scale, json_object_get(own, "value_scale")) && scale != 0 &&
+        vvi_json_real(&offset, json_object_get(own, "value_offset"))) {
         info->value_scale = scale;
         info->value_offset = offset;
     }
-    vvi_zarr_copy(info->value_unit, sizeof info->value_unit, vvi_zarr_text(own, "value_unit"));
-    vvi_zarr_copy(info->name, sizeof info->name, vvi_zarr_text(own, "name"));
-    if (vvi_zarr_text(own, "unit"))
-        vvi_zarr_copy(info->grid.unit, sizeof info->grid.unit, vvi_zarr_text(own, "unit"));
-    read_meaning(info, vvi_zarr_text(own, "meaning"));
+    vvi_json_copy_text(info->value_unit, sizeof info->value_unit, vvi_json_text(own, "value_unit"));
+    vvi_json_copy_text(info->name, sizeof info->name, vvi_json_text(own, "name"));
+    if (vvi_json_text(own, "unit"))
+        vvi_json_copy_text(info->grid.unit, sizeof info->grid.unit, vvi_json_text(own, "unit"));
+    read_meaning(info, vvi_json_text(own, "meaning"));
     read_placement(info, json_object_get(own, "placement"));
     if (space && strcmp(space, "RAS") == 0)
         info->grid.space = VV_SPACE_RAS;

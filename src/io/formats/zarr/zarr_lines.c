@@ -56,7 +56,7 @@ static vv_status take_array(vvi_cf_line *line, const vvi_zarr_node *node, int64_
     double *at = st == VV_OK ? read_values(&array, &info, tree, node->path) : NULL;
     if (!at)
         return st;
-    vvi_cf_axis_unit(line->unit, vvi_zarr_text(node->attributes, "units"));
+    vvi_cf_axis_unit(line->unit, vvi_json_text(node->attributes, "units"));
     st = vvi_cf_take_line(line, at, (size_t)n, info.type == VV_TYPE_F32 ? 1.2e-7 : 0, role, notes);
     vvi_free(at);
     return st;

@@ -43,7 +43,7 @@ static bool numbers(double *out, const json_t *list, int n)
     if (!json_is_array(list) || json_array_size(list) != (size_t)n)
         return false;
     for (int i = 0; i < n; i++)
-        if (!vvi_zarr_real(&out[i], json_array_get(list, (size_t)i)))
+        if (!vvi_json_real(&out[i], json_array_get(list, (size_t)i)))
             return false;
     return true;
 }
@@ -115,8 +115,8 @@ static bool read_single(map t, const json_t *transformation, const char *type, i
 static bool apply(map m, applying *a, const json_t *transformation, int depth)
 {
     map t;
-    const char *type = vvi_zarr_text(transformation, "type");
-    vvi_zarr_copy(a->failed, sizeof a->failed, type ? type : "");
+    const char *type = vvi_json_text(transformation, "type");
+    vvi_json_copy_text(a->failed, sizeof a->failed, type ? type : "");
     if (!type || depth > SEQUENCE_DEPTH)
         return false;
     if (strcmp(type, "identity") == 0)
@@ -143,7 +143,7 @@ static char direction(const json_t *axis)
     } known[] = {{"left-to-right", 'R'},         {"right-to-left", 'L'},        {"posterior-to-anterior", 'A'},
                  {"anterior-to-posterior", 'P'}, {"inferior-to-superior", 'S'}, {"superior-to-inferior", 'I'}};
     const json_t *orientation = json_object_get(axis, "orientation");
-    const char *type = vvi_zarr_text(orientation, "type"), *value = vvi_zarr_text(orientation, "value");
+    const char *type = vvi_json_text(orientation, "type"), *value = vvi_json_text(orientation, "value");
     for (size_t i = 0; type && value && strcmp(type, "anatomical") == 0 && i < sizeof known / sizeof *known; i++)
         if (strcmp(value, known[i].value) == 0)
             return known[i].towards;
@@ -170,12 +170,12 @@ static int role_of_name(const char *name)
 
 static void read_axis(vvi_zarr_axis *out, const json_t *axis)
 {
-    const char *name = json_is_string(axis) ? json_string_value(axis) : vvi_zarr_text(axis, "name");
-    const char *type = vvi_zarr_text(axis, "type"), *unit = vvi_zarr_text(axis, "unit");
+    const char *name = json_is_string(axis) ? json_string_value(axis) : vvi_json_text(axis, "name");
+    const char *type = vvi_json_text(axis, "type"), *unit = vvi_json_text(axis, "unit");
     char clean[32];
     *out = (vvi_zarr_axis){.towards = direction(axis)};
-    vvi_zarr_copy(out->name, sizeof out->name, name);
-    vvi_zarr_copy(clean, sizeof clean, unit);
+    vvi_json_copy_text(out->name, sizeof out->name, name);
+    vvi_json_copy_text(clean, sizeof clean, unit);
     vvi_unit_name(out->unit, clean, strlen(clean));
     out->role = role_of_name(out->name);
     const bool spatial = out->role >= VVI_ROLE_X && out->role <= VVI_ROLE_Z;
@@ -220,7 +220,7 @@ static void settle_roles(vvi_zarr_axis *axis, int n)
 
 static const char *name_of(const json_t *system)
 {
-    return json_is_string(system) ? json_string_value(system) : vvi_zarr_text(system, "name");
+    return json_is_string(system) ? json_string_value(system) : vvi_json_text(system, "name");
 }
 
 /* From 0.6 on axes belong to coordinate systems. The one to show is that to which the levels lead, which is to be the
@@ -305,7 +305,7 @@ static vv_status place_level(vvi_zarr_image *image, const json_t *multiscale, co
 static vv_status read_level(vvi_zarr_image *image, const vvi_zarr_node *node, const json_t *multiscale,
                             const json_t *dataset, vv_notes *notes, const char *name)
 {
-    const char *path = vvi_zarr_text(dataset, "path");
+    const char *path = vvi_json_text(dataset, "path");
     const int at = image->n_levels;
     if (!path)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "level %d of its image has no 'path'", at);
@@ -321,8 +321,8 @@ static vv_status check_version(const vvi_zarr_node *node, const json_t *multisca
 {
     char version[24];
     const json_t *ome = vvi_zarr_ome(node);
-    const char *said = vvi_zarr_text(ome, "version");
-    vvi_zarr_copy(version, sizeof version, said ? said : vvi_zarr_text(multiscale, "version"));
+    const char *said = vvi_json_text(ome, "version");
+    vvi_json_copy_text(version, sizeof version, said ? said : vvi_json_text(multiscale, "version"));
     const bool number = version[0] == '0' && version[1] == '.';
     if (!*version || (number && version[2] >= '1' && version[2] <= '5' && !version[3]))
         return VV_OK;
@@ -351,7 +351,7 @@ vv_status vvi_zarr_image_of(vvi_zarr_image *out, const vvi_zarr_node *node, vv_n
 {
     const json_t *multiscale = multiscale_of(node), *datasets = json_object_get(multiscale, "datasets");
     memset(out, 0, sizeof *out);
-    vvi_zarr_copy(out->name, sizeof out->name, vvi_zarr_text(multiscale, "name"));
+    vvi_json_copy_text(out->name, sizeof out->name, vvi_json_text(multiscale, "name"));
     vv_status st = check_version(node, multiscale, notes);
     if (st == VV_OK)
         st = note_systems(multiscale, notes);

@@ -88,7 +88,7 @@ static vv_status visit_image(walk *w, const vvi_zarr_node *node, int depth)
         memcpy(w->best, node->path, sizeof w->best);
         w->best_is_image = true;
     }
-    vvi_zarr_copy(about, sizeof about, vvi_zarr_text(multiscale, "name"));
+    vvi_json_copy_text(about, sizeof about, vvi_json_text(multiscale, "name"));
     vv_status st = add_part(w, node->path, about);
     if (st == VV_OK && (st = vvi_zarr_join(below, node->path, "labels")) == VV_OK)
         st = visit_children(w, below, depth);

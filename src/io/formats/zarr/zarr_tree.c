@@ -40,12 +40,12 @@ vv_status vvi_zarr_tree_open(vvi_zarr_tree *out, vv_source *folder, vv_job *job)
 {
     json_t *file;
     *out = (vvi_zarr_tree){.folder = folder, .job = job};
-    vv_status st = vvi_zarr_json(&file, folder, ".zmetadata", job);
+    vv_status st = vvi_json_read_beside(&file, folder, ".zmetadata", job);
     if (st != VV_OK)
         return st;
     out->v2 = gathered(file);
     json_decref(file);
-    if ((st = vvi_zarr_json(&file, folder, "zarr.json", job)) != VV_OK)
+    if ((st = vvi_json_read_beside(&file, folder, "zarr.json", job)) != VV_OK)
         return st;
     out->v3 = gathered(json_object_get(file, "consolidated_metadata"));
     json_decref(file);
@@ -64,7 +64,7 @@ static vv_status load(json_t **out, const vvi_zarr_tree *tree, const char *path,
 {
     char name[VVI_ZARR_PATH];
     vv_status st = vvi_zarr_join(name, path, file);
-    if (st != VV_OK || (st = vvi_zarr_json(out, tree->folder, name, tree->job)) != VV_OK || *out)
+    if (st != VV_OK || (st = vvi_json_read_beside(out, tree->folder, name, tree->job)) != VV_OK || *out)
         return st;
     json_t *known = json_object_get(tree->v2, name);
     if (strcmp(file, "zarr.json") == 0)
@@ -77,7 +77,7 @@ static vv_status check_version(const vvi_zarr_node *node, const vvi_zarr_tree *t
 {
     int64_t version = 0;
     const json_t *said = json_object_get(node->meta, "zarr_format");
-    if (vvi_zarr_whole(&version, said) && version == node->version)
+    if (vvi_json_whole(&version, said) && version == node->version)
         return VV_OK;
     return vv_fail_at(VV_E_FORMAT, vvi_source_name(tree->folder), node->path, "its 'zarr_format' is not %d",
                       node->version);
@@ -85,7 +85,7 @@ static vv_status check_version(const vvi_zarr_node *node, const vvi_zarr_tree *t
 
 static vv_status use_v3(vvi_zarr_node *node, const vvi_zarr_tree *tree)
 {
-    const char *type = vvi_zarr_text(node->meta, "node_type");
+    const char *type = vvi_json_text(node->meta, "node_type");
     node->version = 3;
     node->kind = type && strcmp(type, "array") == 0   ? VVI_ZARR_ARRAY
                  : type && strcmp(type, "group") == 0 ? VVI_ZARR_GROUP

@@ -20,7 +20,7 @@ static vv_status read_type(vvi_zarr_array *a, const json_t *meta, const char *na
 
 static vv_status read_order(vvi_zarr_array *a, const json_t *meta, const char *name)
 {
-    const char *order = vvi_zarr_text(meta, "order");
+    const char *order = vvi_json_text(meta, "order");
     if (!order || (strcmp(order, "C") != 0 && strcmp(order, "F") != 0))
         return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'order' is neither C nor F");
     for (int i = 0; i < a->n_axes; i++)
@@ -30,7 +30,7 @@ static vv_status read_order(vvi_zarr_array *a, const json_t *meta, const char *n
 
 static vv_status read_keys(vvi_zarr_array *a, const json_t *meta, const char *name)
 {
-    const char *separator = vvi_zarr_text(meta, "dimension_separator");
+    const char *separator = vvi_json_text(meta, "dimension_separator");
     a->separator = separator ? *separator : '.';
     if (separator && strcmp(separator, ".") != 0 && strcmp(separator, "/") != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'dimension_separator' is neither . nor /");
@@ -43,13 +43,13 @@ static vv_status read_coding(vvi_zarr_array *a, const json_t *meta, const char *
     vv_status st = VV_OK;
     for (size_t i = 0; i < json_array_size(filters) && st == VV_OK; i++) {
         const json_t *filter = json_array_get(filters, i);
-        const char *id = vvi_zarr_text(filter, "id");
+        const char *id = vvi_json_text(filter, "id");
         st = id ? vvi_zarr_codec_named(&a->chain, id, filter, a, name)
                 : vv_fail_at(VV_E_FORMAT, name, NULL, "filter %zu has no 'id'", i + 1);
     }
     if (st != VV_OK || !compressor || json_is_null(compressor))
         return st;
-    const char *id = vvi_zarr_text(compressor, "id");
+    const char *id = vvi_json_text(compressor, "id");
     return id ? vvi_zarr_codec_named(&a->chain, id, compressor, a, name)
               : vv_fail_at(VV_E_FORMAT, name, NULL, "its 'compressor' has no 'id'");
 }

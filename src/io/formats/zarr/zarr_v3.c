@@ -7,7 +7,7 @@
 static const char *named(const json_t *thing, const json_t **config)
 {
     *config = json_object_get(thing, "configuration");
-    return json_is_string(thing) ? json_string_value(thing) : vvi_zarr_text(thing, "name");
+    return json_is_string(thing) ? json_string_value(thing) : vvi_json_text(thing, "name");
 }
 
 static vv_status read_type(vvi_zarr_array *a, const json_t *meta, const char *name)
@@ -46,7 +46,7 @@ static vv_status read_keys(vvi_zarr_array *a, const json_t *meta, const char *na
 {
     const json_t *config;
     const char *keys = named(json_object_get(meta, "chunk_key_encoding"), &config);
-    const char *separator = vvi_zarr_text(config, "separator");
+    const char *separator = vvi_json_text(config, "separator");
     if (!keys || (strcmp(keys, "default") != 0 && strcmp(keys, "v2") != 0))
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "its chunk key encoding is '%.40s'; default and v2 are known",
                           keys ? keys : "");
@@ -72,7 +72,7 @@ static vv_status use_transpose(vvi_zarr_array *a, const json_t *config, const ch
         int64_t axis = -1;
         if (letter && (strcmp(letter, "C") == 0 || strcmp(letter, "F") == 0))
             axis = *letter == 'C' ? i : a->n_axes - 1 - i;
-        else if (json_array_size(list) != (size_t)a->n_axes || !vvi_zarr_whole(&axis, json_array_get(list, (size_t)i)))
+        else if (json_array_size(list) != (size_t)a->n_axes || !vvi_json_whole(&axis, json_array_get(list, (size_t)i)))
             axis = -1;
         if (axis < 0 || axis >= a->n_axes || seen >> axis & 1)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'order' of its codec transpose is not an order of %d axes",
@@ -87,7 +87,7 @@ static vv_status use_transpose(vvi_zarr_array *a, const json_t *config, const ch
 /* The byte order is that of the filters before, too. */
 static vv_status use_bytes(vvi_zarr_array *a, const json_t *config, const char *name)
 {
-    const char *endian = vvi_zarr_text(config, "endian");
+    const char *endian = vvi_json_text(config, "endian");
     if (endian && strcmp(endian, "little") != 0 && strcmp(endian, "big") != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'endian' of its codec bytes is neither little nor big");
     if (!endian && a->type.bytes > 1)
@@ -103,13 +103,13 @@ static vv_status use_bytes(vvi_zarr_array *a, const json_t *config, const char *
 static vv_status read_index(vvi_zarr_array *a, const json_t *config, const char *name)
 {
     const json_t *list = json_object_get(config, "index_codecs"), *inner;
-    const char *location = vvi_zarr_text(config, "index_location");
+    const char *location = vvi_json_text(config, "index_location");
     a->index_first = location && strcmp(location, "start") == 0;
     if (location && !a->index_first && strcmp(location, "end") != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'index_location' of its shards is neither start nor end");
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *codec = named(json_array_get(list, i), &inner);
-        const char *endian = vvi_zarr_text(inner, "endian");
+        const char *endian = vvi_json_text(inner, "endian");
         if (i == 0 && codec && strcmp(codec, "bytes") == 0 && endian)
             a->index_swap = vvi_order_swapped(strcmp(endian, "big") == 0);
         else if (i == 1 && codec && strcmp(codec, "crc32c") == 0)
@@ -188,7 +188,8 @@ static void read_names(vvi_zarr_array *a, const json_t *meta)
 {
     const json_t *names = json_object_get(meta, "dimension_names");
     for (int i = 0; i < a->n_axes; i++)
-        vvi_zarr_copy(a->axis_name[i], sizeof a->axis_name[i], json_string_value(json_array_get(names, (size_t)i)));
+        vvi_json_copy_text(a->axis_name[i], sizeof a->axis_name[i],
+                           json_string_value(json_array_get(names, (size_t)i)));
 }
 
 vv_status vvi_zarr_array_v3(vvi_zarr_array *a, const json_t *meta, const char *name)

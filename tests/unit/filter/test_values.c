@@ -1,0 +1,87 @@
+/* Filters of values: the same bytes for any number of threads and any box, whose truth tests/cli has. */
+#include "fields.h"
+#include "operations.h"
+#include "registry.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static vv_field *random_field(vv_type type, int components, double scale, uint64_t seed)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = type;
+    info.grid.dims[0] = 1201, info.grid.dims[1] = 11, info.grid.dims[2] = 5;
+    info.components = components;
+    info.value_scale = scale;
+    return test_field_random(&info, seed, NULL);
+}
+
+static void all_ways(const vv_operation *operation, const char *const *settings, vv_type type, int second)
+{
+    vv_field *in = random_field(type, 2, type == VV_TYPE_I16 ? -0.5 : 1, 8);
+    vv_field *other = second ? random_field(type, second, 2, 9) : NULL;
+    const vv_field *inputs[] = {in, other};
+    for (; *settings; settings++)
+        vv_field_release(test_apply_all_ways(operation, inputs, second ? 2 : 1, *settings));
+    vv_field_release(in);
+    vv_field_release(other);
+}
+
+static void clamping_is_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"range=\"-20..50\"", "range=\"3..\";below=0", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        all_ways(&vvi_operation_clamp, settings, type, 0);
+}
+
+static void masking_is_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"", "invert=true;fill=9", "label=[2,4,6]", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++) {
+        all_ways(&vvi_operation_mask, settings, type, 1);
+        all_ways(&vvi_operation_mask, settings, type, 2);
+    }
+}
+
+static void merging_is_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"", "names=\"a,b,c\"", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        all_ways(&vvi_operation_merge, settings, type, 1);
+}
+
+/* Each channel has its own, or all have the one. */
+static void channels_of_a_mask_go_each_with_its_own(void **state)
+{
+    for (int channels = 1; channels < 3; channels++) {
+        vv_field *in = random_field(VV_TYPE_U8, 2, 1, 1), *mask = random_field(VV_TYPE_I8, channels, 3, 2);
+        const vv_field *inputs[] = {in, mask};
+        vv_field *out = test_apply_all_ways(&vvi_operation_mask, inputs, 2, "label=[6,-9,0]");
+        for (int64_t n = 0; n < 2 * 1201 * 55; n++) {
+            const int64_t i = n / 2 % 1201, j = n / 2402 % 11, k = n / 26422;
+            const int c = (int)(n % 2);
+            const double label = vv_field_value(mask, i, j, k, channels > 1 ? c : 0);
+            const bool kept = label == 6 || label == -9 || label == 0;
+            assert_true(vv_field_value(out, i, j, k, c) == (kept ? vv_field_value(in, i, j, k, c) : 0));
+        }
+        vv_field_release(out);
+        vv_field_release(in);
+        vv_field_release(mask);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clamping_is_the_same_in_all_ways),
+        cmocka_unit_test(masking_is_the_same_in_all_ways),
+        cmocka_unit_test(merging_is_the_same_in_all_ways),
+        cmocka_unit_test(channels_of_a_mask_go_each_with_its_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
