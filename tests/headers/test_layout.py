@@ -104,7 +104,7 @@ def main(*words):
     for struct, what, breaks in found:
         print(f"{struct} {what}{': programs that were built before break' if breaks else ''}")
     if found:
-        print("Is each of these meant (docs/decisions/0023-growing-structs.md)? Then update the list:")
+        print("Is each of these meant (docs/decisions/0024-growing-structs.md)? Then update the list:")
         print(f"  python3 {os.path.relpath(__file__)} --write {' '.join(words)}")
     return 1 if found else 0
 
