@@ -101,17 +101,36 @@ static uint64_t label_at(const thinning *t, int64_t at)
     }
 }
 
+#define BITS_OF(type)                                                                                                  \
+    do {                                                                                                               \
+        const type *own = (const type *)(const void *)t->label + at, label = *own;                                     \
+        for (int b = 0; b < VVI_AROUND; b++)                                                                           \
+            bits |= (uint32_t)(own[t->offset[b]] == label) << b;                                                       \
+    } while (0)
+
+/* Of a voxel whose neighbours are all in the volume. */
+static uint32_t object_inside(const thinning *t, int64_t at)
+{
+    uint32_t bits = 0;
+    if (t->each == 1)
+        BITS_OF(uint8_t);
+    else if (t->each == 2)
+        BITS_OF(uint16_t);
+    else if (t->each == 4)
+        BITS_OF(uint32_t);
+    else
+        BITS_OF(uint64_t);
+    return bits;
+}
+
 /* Beyond the border of the volume there is nothing. */
 static uint32_t object_around(const thinning *t, int64_t at)
 {
     const int64_t *n = t->n, row = at / n[0], p[3] = {at - row * n[0], row % n[1], row / n[1]};
     const uint64_t label = label_at(t, at);
     uint32_t bits = 0;
-    if (p[0] > 0 && p[0] < n[0] - 1 && p[1] > 0 && p[1] < n[1] - 1 && p[2] > 0 && p[2] < n[2] - 1) {
-        for (int b = 0; b < VVI_AROUND; b++)
-            bits |= (uint32_t)(label_at(t, at + t->offset[b]) == label) << b;
-        return bits;
-    }
+    if (p[0] > 0 && p[0] < n[0] - 1 && p[1] > 0 && p[1] < n[1] - 1 && p[2] > 0 && p[2] < n[2] - 1)
+        return object_inside(t, at);
     for (int b = 0; b < VVI_AROUND; b++) {
         const int64_t x = p[0] + b % 3 - 1, y = p[1] + b / 3 % 3 - 1, z = p[2] + b / 9 - 1;
         if (x >= 0 && x < n[0] && y >= 0 && y < n[1] && z >= 0 && z < n[2])
@@ -123,11 +142,22 @@ static uint32_t object_around(const thinning *t, int64_t at)
 /* Bits of the neighbours at faces, two for each axis. */
 static const int side_bit[SIDES] = {4, 22, 10, 16, 12, 14};
 
+/* Whether the neighbour at the face that is worked on is there, and of the same label. */
+static bool is_covered(const thinning *t, int64_t at)
+{
+    const int axis = 2 - t->side / 2;
+    const int64_t stride = axis == 0 ? 1 : axis == 1 ? t->n[0] : t->n[0] * t->n[1], place = at / stride % t->n[axis];
+    const bool inside = t->side % 2 == 0 ? place > 0 : place + 1 < t->n[axis];
+    return inside && label_at(t, at + t->offset[side_bit[t->side]]) == label_at(t, at);
+}
+
 static bool may_go(const thinning *t, int64_t at)
 {
+    if (is_covered(t, at))
+        return false;
     const uint32_t object = object_around(t, at), others = object & ~(1u << VVI_AROUND_OWN);
     const bool is_end = (others & (others - 1)) == 0; /* of a curve: one neighbour, or none */
-    return !(object >> side_bit[t->side] & 1) && !is_end && vvi_is_simple(object, &t->tables);
+    return !is_end && vvi_is_simple(object, &t->tables);
 }
 
 static vv_status look_item(void *scratch, void *user, size_t index)
