@@ -176,6 +176,7 @@ typedef struct vvi_socket {
     double cost;         /* seconds of the loop, so far */
     int64_t begun;       /* when the message that is not whole yet began; 0: there is none */
     int64_t heard;       /* when something came last */
+    int64_t drained;     /* when nothing of it waited to be taken, last */
     bool pings, ponders; /* pings: one is to be sent; ponders: one was, and nothing came since */
     bool paused;         /* nothing is taken from it for now */
     uint8_t *rest;       /* what came and is not taken yet */

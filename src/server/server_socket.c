@@ -19,7 +19,7 @@ enum { PIECES_MOST = 16 };                /* frames, or parts of them, that may 
 #define HELLO (INT64_C(20) * 1000000000)  /* within which who comes says hello */
 #define TURN (INT64_C(30) * 1000000000)   /* the same where nothing was taken from it yet */
 #define WHOLE (INT64_C(120) * 1000000000) /* within which a message comes: 1 MiB, 10 kB a second */
-enum { BACKLOG = 1 << 15 };               /* bytes that wait for us: who sends no faster than we take is no flood */
+#define FLOODS (INT64_C(30) * 1000000000) /* for which more waited for us all the time than we took */
 /* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
 #define UNSENT 16384
 #define VISIT (INT64_C(5) * 1000000000) /* who stays no longer has come and gone */
@@ -130,8 +130,8 @@ int vvi_socket_begin(vvi_peer *peer, const vvi_head *head)
     if (!vvi_peer_ration(peer, now) || !(peer->socket = vvi_calloc(1, sizeof *peer->socket)))
         return -1;
     vvi_handshake_accept(key, head->socket_key);
-    *peer->socket =
-        (vvi_socket){.framing = {.most = HELLO_MOST, .shared = &peer->server->shared}, .came = now, .heard = now};
+    *peer->socket = (vvi_socket){
+        .framing = {.most = HELLO_MOST, .shared = &peer->server->shared}, .came = now, .heard = now, .drained = now};
     const int n = snprintf(answer, sizeof answer,
                            "HTTP/1.1 101 Switching Protocols\r\nupgrade: websocket\r\nconnection: Upgrade\r\n"
                            "sec-websocket-accept: %s\r\nsec-websocket-protocol: volvis\r\n\r\n",
@@ -233,6 +233,15 @@ static bool take_rest(vvi_peer *peer)
     return true;
 }
 
+/* Who waits for answers leaves nothing behind what was taken, however long each question is: that is no flood. */
+static void note_drained(const vvi_peer *peer, int64_t now)
+{
+    int n = 0;
+    vvi_socket *socket = peer->socket;
+    if (socket->n_rest == 0 && ioctl(lws_get_socket_fd(peer->wsi), FIONREAD, &n) == 0 && n == 0)
+        socket->drained = now;
+}
+
 int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
 {
     vvi_socket *socket = peer->socket;
@@ -243,6 +252,7 @@ int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
         peer->passed += n - used;
     else if (!keep(socket, in + used, n - used))
         return -1;
+    note_drained(peer, socket->heard);
     set_flow(peer);
     vvi_server_go_soon(peer->server);
     if (socket->client && vvi_client_has_more(socket->client, socket->heard))
@@ -318,12 +328,6 @@ static void listen_for(vvi_peer *peer, int64_t now)
         socket->pings = socket->ponders = true;
 }
 
-static bool has_backlog(const vvi_peer *peer)
-{
-    int n = 0;
-    return ioctl(lws_get_socket_fd(peer->wsi), FIONREAD, &n) == 0 && peer->socket->n_rest + (size_t)n > BACKLOG;
-}
-
 /* Why it should end; NULL: it goes on. */
 static const char *is_bad(const vvi_peer *peer, int64_t now)
 {
@@ -332,7 +336,7 @@ static const char *is_bad(const vvi_peer *peer, int64_t now)
         return "this page has not said hello";
     if (socket->begun && now - socket->begun > WHOLE)
         return "a message of this page does not come to its end";
-    if (vvi_ration_persists(&peer->ration, now) && has_backlog(peer))
+    if (vvi_ration_persists(&peer->ration, now) && now - socket->drained > FLOODS)
         return "this page sends more than the server can take";
     return vvi_client_stuck(socket->client, now);
 }
@@ -344,6 +348,7 @@ static bool resume(vvi_peer *peer, int64_t now)
         return false;
     peer->resumes = 0;
     take_rest(peer);
+    note_drained(peer, now);
     set_flow(peer);
     return true;
 }

@@ -5,7 +5,7 @@ import threading
 import time
 
 from attack import send
-from wire import connect, ends, frame, head, hello, upgrade
+from wire import connect, ends, frame, head, hello, parse, upgrade
 
 SECONDS = 45  # half a minute, and what the machine has to do besides
 
@@ -122,6 +122,45 @@ def floods_for_ever(server):
     return sock, b""
 
 
+class Asker:
+    """No attack: it asks long questions, each when the one before was answered, for as long as the others are patient."""
+
+    def __init__(self, server):
+        self.sock, _ = upgrade(server, server.own_cookie)
+        self.answers, self.ended = 0, None
+        send(self.sock, hello(16, 16))
+        threading.Thread(target=self.ask, daemon=True).start()
+
+    def ask(self):
+        box = b""
+        try:
+            while True:
+                edit = {"op": "set", "path": "datasets.ball.parameters", "value": f"{self.answers}" + "x" * 60000}
+                send(self.sock, frame(json.dumps({"type": "edit", "id": self.answers + 1, "edits": [edit]}).encode()))
+                answered = False
+                while not answered:
+                    found = parse(box)
+                    if found is None:
+                        piece = self.sock.recv(1 << 16)
+                        if not piece:
+                            raise OSError("it was ended")
+                        box += piece
+                        continue
+                    kind, data, box = found
+                    if kind == 8:
+                        raise OSError(data[2:].decode())
+                    answered = kind == 1 and b'"answer"' in data[:60]
+                self.answers += 1
+        except OSError as error:
+            self.ended = str(error)
+
+    def failures(self, left):
+        time.sleep(max(0, left))
+        told = [f"who asks and waits was ended after {self.answers} answers: {self.ended}"] if self.ended else []
+        self.sock.close()
+        return told
+
+
 PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes,
            upload_that_trickles, answer_unread, no_hello,
            no_hello_but_pings, *[pings_when_answered] * 5, half_a_message, reads_nothing, floods_for_ever)
@@ -132,6 +171,7 @@ class Patient:
 
     def __init__(self, server):
         self.server, self.began = server, time.monotonic()
+        self.asker = Asker(server)
         self.all = [(attack.__name__.replace("_", " "), *attack(server)) for attack in PATIENT]
         self.stop = threading.Event()
         self.thread = threading.Thread(target=self.trickle)
@@ -163,7 +203,7 @@ class Patient:
         self.thread.join()
         for _, sock, _ in self.all:
             sock.close()
-        return failures + self.given_back()
+        return failures + self.asker.failures(self.left() - 6) + self.given_back()
 
     def given_back(self):
         """Room for uploads that was promised to those who did not bring them is there for others, and takes what it was told."""
