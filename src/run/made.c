@@ -129,10 +129,18 @@ static void close_inputs(inputs *in)
     vvi_words_close(&in->words);
 }
 
+static bool is_grid_only(const vvi_made *made, size_t index)
+{
+    return vv_operation_operand(made->operation, index)->grid_only;
+}
+
 /* Of a series the time step that is asked for; else the only one. */
 static vv_status frame_of(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
     vv_field_info first, info;
+    *out = 0;
+    if (is_grid_only(made, index))
+        return VV_OK;
     vv_status st = vv_dataset_info(&info, made->world, made->input[index], job);
     if (st == VV_OK)
         st = vv_dataset_info(&first, made->world, made->input[0], job);
@@ -154,8 +162,9 @@ static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t inde
     vv_status st = frame_of(&out->frame, made, index, frame, job);
     if (st != VV_OK)
         return st;
-    if (in_parts && dataset->path && !dataset->fields && !dataset->checksum)
-        return vvi_dataset_open(&out->file, NULL, dataset, job);
+    const bool parts = in_parts && dataset->path && !dataset->checksum;
+    if (!dataset->fields && (parts || is_grid_only(made, index)))
+        return vvi_dataset_open(&out->file, made->world, dataset, job);
     st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
     out->frame = 0;
     out->field = field;

@@ -17,6 +17,11 @@ CHAINS = (  # each as verbs, one by one; the last says what the picture is of
     ("rescale --type u8 --percentile 1..99", "flip --axes xz"),
 )
 
+# what an operation refuses to go without
+REQUIRED = {"threshold": ("--range", "90.."), "crop": ("--x", "2:9"), "flip": ("--axes", "x"), "channel": ("--channel", "0"), "grow": ("--seed", "8,7,9"),
+            "rescale": ("--type", "u8", "--percentile", "1..99"), "reorient": ("--order", "zyx"), "calc": ("a*2",), "distance": ("--iso", "90"),
+            "gaussian": ("--sigma", "1"), "isosurface": ("--iso", "90"), "clamp": ("--range", "20..200")}
+
 
 def write_blob(path="in.nrrd"):
     z, y, x = np.meshgrid(*(np.arange(n) for n in (13, 15, 17)), indexing="ij")
@@ -59,6 +64,44 @@ def test_scenes_show_the_same_as_files_of_verbs():
         with open("made.vv.json") as file:
             made = json.load(file)["datasets"]
         assert len(made) == 1 + len(chain) and len(read("made.vv.json")) < 4000, chain
+
+
+def test_every_operation_of_one_volume_makes_the_same():
+    write_blob()
+    ran = set()
+    for row in ok("operations", "--json").json["operations"]:
+        name, mesh = row["name"], row["makes"] == "mesh"
+        if row["min_inputs"] != 1 or row["inputs"][0]["takes"] != "volume":
+            continue
+        words, out = REQUIRED.get(name, ()), "verb.ply" if mesh else "verb.nrrd"
+        if volvis(name, "in.nrrd", *words, "-o", out, "--overwrite").code:
+            continue
+        chain = " ".join((name, *words))
+        ok("pipe", "in.nrrd", chain, "-o", "one.vv.json", "--overwrite")
+        if mesh:
+            ok("pipe", "in.nrrd", chain, "-o", "made.ply", "--overwrite")
+            assert read("made.ply") == read(out), name
+        else:
+            ok("convert", "one.vv.json", "-o", "made.nrrd", "--overwrite")
+            assert read("made.nrrd") == read(out), name
+        ran.add(name)
+    assert len(ran) > 20 and {"gaussian", "crop", "threshold", "components", "isosurface"} <= ran, sorted(ran)
+
+
+def test_a_grid_alone_is_taken_of_what_is_made():
+    write_blob("in.nrrd")
+    ok("crop", "in.nrrd", "--x", "3:", "-o", "c.nrrd")
+    ok("resample", "in.nrrd", "onto=c.nrrd", "-o", "truth.nrrd")
+    ok("pipe", "in.nrrd", "resample onto=c.nrrd", "-o", "made.vv.json")
+    ok("convert", "made.vv.json", "-o", "made.nrrd")
+    assert read("made.nrrd") == read("truth.nrrd")
+    with open("made.vv.json") as file:
+        scene = json.load(file)
+    scene["datasets"]["c"] = {"operation": "crop", "inputs": {"volume": "in"}, "parameters": {"x": "3:"}}
+    with open("all.vv.json", "w") as file:
+        json.dump(scene, file)
+    ok("convert", "all.vv.json", "-o", "all.nrrd")
+    assert read("all.nrrd") == read("truth.nrrd")
 
 
 def test_inputs_beside_the_chain_have_their_places():
