@@ -354,5 +354,5 @@ const vvi_made_data vvi_made_data_by_runs = {
     .field = field_of,
     .mesh = mesh_of,
     .is_mesh = is_mesh,
-    .open = vvi_made_file,
+    .open = vvi_made_open_file,
 };

@@ -49,5 +49,5 @@ vv_status vvi_words_open(vvi_words *out, const vv_world *world, const vv_dataset
 void vvi_words_close(vvi_words *words);
 
 /** Made samples as if a file held them, with what is known of channels and labels; it holds the World. */
-vv_status vvi_made_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+vv_status vvi_made_open_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 #endif

@@ -34,7 +34,7 @@ static vv_status take_words(vv_notes *notes, const vv_world *world, const vv_dat
     return st;
 }
 
-vv_status vvi_made_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_made_open_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vvi_made made;
     vv_field_info info;

@@ -1,5 +1,6 @@
 """Filters that look for structure, against NumPy, SciPy and scikit-image: odd sizes, all types, missing values."""
 import heapq
+import os
 from harness import Skip, main, ok, volvis
 
 try:
@@ -448,6 +449,91 @@ def test_diffusion_along_structures_closes_gaps_and_leaves_what_is_missing():
     np.save("c.npy", np.zeros((100, 100, 100), "f4"))
     result = volvis("diffuse", "c.npy", "-o", "b.npy", "--overwrite", "--method", "coherence", "--memory", "30M")
     assert result.code != 0 and "memory" in result.message, result.message
+
+
+HEAD = "/usr/share/mricron/templates/ch2.nii.gz"
+
+
+def smooth_field(shape, strength):
+    """Brighter towards one corner and darker towards another; the mean of its logarithm is 0."""
+    z, y, x = (np.linspace(-1, 1, n).reshape([-1 if i == a else 1 for i in range(3)]) for a, n in enumerate(shape))
+    field = 0.6 * x - 0.4 * y * y + 0.3 * z + 0.3 * x * y
+    return np.exp(strength * (field - field.mean()))
+
+
+def phantom(shape, noise=2, seed=1):
+    """Three tissues of 100, 160 and 220, and a background of 0 around."""
+    data = np.digitize(reals(shape, seed) / reals(shape, seed).std(), [-0.4, 0.5]) * 60.0 + 100
+    z, y, x = np.ogrid[0 : shape[0], 0 : shape[1], 0 : shape[2]]
+    inside = sum((2 * c / (n - 1) - 1) ** 2 if n > 1 else 0 for c, n in zip((z, y, x), shape)) < 0.9
+    return np.where(inside, data + np.random.default_rng(seed).normal(0, noise, shape), 0), inside
+
+
+def spread(field, true, inside):
+    """How far the logarithms of two fields differ, but for a factor."""
+    return np.log(field / true)[inside].std()
+
+
+def test_a_known_field_is_taken_off():
+    need_scipy()
+    for shape, kind in ((40, 50, 45), "f4"), ((33, 41, 37), "u2"), ((1, 120, 100), "f8"), ((36, 40, 44), "u1"):
+        data, inside = phantom(shape)
+        true = smooth_field(shape, 0.5)
+        bright = np.where(inside, (data * true).clip(1, 255 if kind == "u1" else 1e9), 0).astype(kind)
+        field = filtered(bright, "bias", "--levels", "3", "--output", "field")
+        even = filtered(bright, "bias", "--levels", "3")
+        before, after = np.log(true)[inside].std(), spread(field, true, inside)
+        assert field.dtype == even.dtype == np.dtype("f4") and before > 0.1 and after < 0.2 * before, (shape, before, after)
+        assert np.allclose(even * field, bright.astype("f8"), rtol=1e-5)
+        assert abs(np.log(field[inside]).mean()) < 0.1
+        middle = inside & (np.abs(data - 160) < 8)  # one tissue has one brightness again
+        assert even[middle].std() / even[middle].mean() < 0.35 * (bright[middle].std() / bright[middle].mean())
+
+
+def test_without_a_field_little_is_taken_off():
+    need_scipy()
+    data, inside = phantom((30, 36, 40))
+    field = filtered(data.astype("f4"), "bias", "--levels", "2", "--output", "field")
+    assert np.log(field[inside]).std() < 0.03, np.log(field[inside]).std()
+
+
+def test_bias_is_found_where_the_mask_says_by_any_number_of_threads():
+    need_scipy()
+    data, inside = phantom((30, 36, 40))
+    true = smooth_field(data.shape, 0.4)
+    bright = (data * true).astype("f4")
+    bright[:, :, -4:] = 9000  # an implant
+    bright[3, 3, 3] = np.nan
+    np.save("a.npy", bright)
+    np.save("m.npy", (inside & (np.arange(40) < 36)).astype("u1"))
+    ok("bias", "a.npy", "mask=m.npy", "-o", "b.npy", "--overwrite", "--output", "field")
+    assert spread(np.load("b.npy"), true, np.load("m.npy") > 0) < 0.05
+    ok("bias", "a.npy", "-o", "c.npy", "--overwrite", "--output", "field", "--range", "20..2000")
+    assert spread(np.load("c.npy"), true, np.load("m.npy") > 0) < 0.05
+    even = filtered(bright, "bias", "--range", "20..2000")
+    assert np.isnan(even[3, 3, 3]) and np.isnan(even).sum() == 1
+    same_by_any_number_of_threads(bright, "bias", "--levels", "2", "--range", "20..")
+    for words, part in ((("--range", "-5..-1"), "count"), (("--distance", "0.01"), "fewer levels"), (("mask=b.npy", "--range", "x"), "range")):
+        result = volvis("bias", "a.npy", "-o", "d.npy", "--overwrite", *words)
+        assert result.code != 0 and part in result.message, (words, result.message)
+
+
+def test_a_field_that_is_put_on_a_head_is_found():
+    need_scipy()
+    if not os.path.exists(HEAD):
+        raise Skip("mricron-data is not there")
+    for name, path in ("head", HEAD), ("brain", HEAD.replace("ch2", "ch2bet")):
+        ok("convert", path, "-o", f"{name}.npy", "--overwrite")
+    head, brain = np.load("head.npy").squeeze().astype("f4"), np.load("brain.npy").squeeze() > 0
+    true = smooth_field(head.shape, 0.4)
+    np.save("bright.npy", (head * true).astype("f4"))
+    np.save("brain.npy", brain.astype("u1"))
+    for words, share in (("mask=brain.npy",), 0.1), ((), 0.25):
+        for name in "head", "bright":
+            ok("bias", f"{name}.npy", *words, "-o", f"{name}-field.npy", "--overwrite", "--output", "field", "--every", "4")
+        off = spread(np.load("bright-field.npy") / np.load("head-field.npy"), true, brain)
+        assert off < share * np.log(true)[brain].std(), (words, off)
+
 
 
 main()

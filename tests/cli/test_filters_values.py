@@ -164,4 +164,182 @@ def test_merging_in_little_memory_is_the_same():
     in_little_memory("merge", "m.npy", memory="20M")
 
 
+def noise_on(value, kind, *words, n=60):
+    """A cube of one value with noise, flat."""
+    np.save("a.npy", np.full((n, n, n), value, kind))
+    return result("add-noise", *words).astype("f8").ravel()
+
+
+def near(found, want, spread, n, what):
+    """Within five standard deviations of a mean of n."""
+    assert abs(found - want) <= 5 * spread / n**0.5, (what, found, want)
+
+
+def test_noise_has_the_moments_of_its_kind():
+    need_numpy()
+    n = 60**3
+    v = noise_on(100, "f4", "--sigma", "10")
+    near(v.mean(), 100, 10, n, "gaussian")
+    near(v.var(), 100, 100 * 2**0.5, n, "gaussian")
+    near(((v - 100) ** 4).mean(), 3 * 10**4, 96**0.5 * 10**4, n, "gaussian")
+    assert abs(np.corrcoef(v[:-1], v[1:])[0, 1]) < 5 / n**0.5
+    for mean in (0.3, 4, 9.9, 10.1, 40, 3000):
+        v = noise_on(mean, "f8", "--kind", "poisson")
+        assert (v == np.floor(v)).all() and v.min() >= 0
+        near(v.mean(), mean, mean**0.5, n, ("poisson", mean))
+        near(((v - mean) ** 2).mean(), mean, (mean + 2 * mean**2) ** 0.5, n, ("poisson", mean))
+        near(((v - mean) ** 3).mean(), mean, (15 * mean**3 + 30 * mean**2 + 10 * mean) ** 0.5 * 1.5 + 1, n, ("poisson", mean))
+    v = noise_on(50, "f8", "--kind", "poisson", "--counts", "4")
+    near(v.var(), 50 / 4, 50 / 4 * 2**0.5, n, "counts")
+    v = noise_on(0, "f4", "--kind", "rician", "--sigma", "8")
+    near(v.mean(), 8 * (np.pi / 2) ** 0.5, 8, n, "rician")
+    v = noise_on(20, "f4", "--kind", "rician", "--sigma", "8")
+    near((v**2).mean(), 20**2 + 2 * 8**2, 2 * 8 * (20**2 + 8**2) ** 0.5, n, "rician")
+
+
+def test_counts_have_the_probabilities_of_poisson():
+    need_numpy()
+    try:
+        from scipy import stats
+    except ImportError as error:
+        raise Skip("SciPy is not there") from error
+    for mean in (0.7, 6, 14, 90):
+        v = noise_on(mean, "f8", "--kind", "poisson")
+        k = np.arange(int(stats.poisson.ppf(1e-3, mean)), int(stats.poisson.ppf(1 - 1e-3, mean)) + 1)
+        found = np.array([(v == c).sum() for c in k])
+        want = stats.poisson.pmf(k, mean) * v.size
+        squares = ((found - want) ** 2 / want).sum()
+        assert squares < stats.chi2.ppf(1 - 1e-6, len(k)), (mean, squares, len(k))
+
+
+def test_salt_and_pepper_are_as_many_as_asked_for():
+    need_numpy()
+    n = 60**3
+    for kind, ends in (("u1", (0, 255)), ("i2", (-32768, 32767)), ("f4", (0, 1))):
+        v = noise_on(7, kind, "--kind", "salt-and-pepper", "--fraction", "20%")
+        for end in ends:
+            near((v == end).mean(), 0.1, 0.3, n, kind)
+        assert ((v == 7) | (v == ends[0]) | (v == ends[1])).all()
+    v = noise_on(7, "u2", "--kind", "salt-and-pepper", "--salt", "9", "--pepper", "3")
+    assert set(np.unique(v)) == {3, 7, 9}
+    says(fails(2, "add-noise", "a.npy", "-o", "x.npy", "--kind", "salt-and-pepper", "--salt", "-1"), "u16")
+
+
+def test_noise_is_the_same_for_a_seed_and_of_each_step_its_own():
+    need_numpy()
+    steps = np.zeros((3, 5, 6, 7), "f4")
+    steps[0, 1, 2, 3] = np.nan
+    np.save("a.npy", steps)
+    first, again, other = (result("add-noise", "--seed", seed) for seed in (4, 4, 5))
+    assert np.array_equal(first, again, equal_nan=True) and (first != other).all()
+    assert np.isnan(first[0, 1, 2, 3]) and np.isnan(first).sum() == 1
+    assert len(np.unique(first[~np.isnan(first)])) == first.size - 1
+    for kind in KINDS:
+        np.save("a.npy", samples(kind, holes=False))
+        got = result("add-noise", "--sigma", "3").astype("f8") - samples(kind, holes=False).astype("f8")
+        assert 1.5 < got.std() < 4.5, (kind, got.std())
+
+
+def test_noise_in_little_memory_is_the_same():
+    need_numpy()
+    for kind in ("gaussian", "poisson", "rician", "salt-and-pepper"):
+        in_little_memory("add-noise", "--kind", kind)
+
+
+def ranks(data, reference):
+    """What share of the samples is no larger than each: skimage.exposure.match_histograms, by numpy."""
+    _, place, counts = np.unique(data.ravel(), return_inverse=True, return_counts=True)
+    values, others = np.unique(reference.ravel(), return_counts=True)
+    return np.interp(np.cumsum(counts) / data.size, np.cumsum(others) / reference.size, values)[place].reshape(data.shape)
+
+
+def test_matching_gives_the_histogram_of_the_other():
+    need_numpy()
+    for kind in KINDS:
+        for other in ("u1", "i2", "f4"):
+            data = samples(kind, (5, 7, 11), holes=False)
+            reference = samples(other, (9, 8, 7), 4, holes=False) // 3 + 5
+            np.save("a.npy", data)
+            np.save("r.npy", reference)
+            got, want = result("match", "r.npy"), ranks(data, reference)
+            assert got.dtype == reference.dtype, (kind, other)
+            # floats lie in bins, and so somewhere in the gap between two values of the other
+            exact = data.dtype.kind != "f" and other != "f4"
+            room = 0.5 + 1e-9 if exact else 1.5 if other != "f4" else 6
+            assert np.abs(got.astype("f8") - want).max() <= room, (kind, other, np.abs(got.astype("f8") - want).max())
+            order = np.argsort(data, axis=None)
+            assert (np.diff(got.ravel()[order].astype("f8"))[np.diff(data.ravel()[order]) > 0] >= 0).all()
+
+
+def test_matching_is_that_of_scikit_image():
+    need_numpy()
+    try:
+        from skimage import exposure
+    except ImportError as error:
+        raise Skip("scikit-image is not there") from error
+    data, reference = samples("u2", (9, 11, 13)), samples("u2", (8, 9, 10), 6) * 3
+    np.save("a.npy", data)
+    np.save("r.npy", reference)
+    want = exposure.match_histograms(data.astype("f8"), reference.astype("f8"))
+    assert np.abs(result("match", "r.npy") - want).max() <= 0.5 + 1e-9
+    fails(2, "match", "a.npy", "-o", "x.npy")
+
+
+def test_equalized_values_are_spread_by_their_ranks():
+    need_numpy()
+    for kind in KINDS:
+        data = samples(kind, (9, 11, 13))
+        np.save("a.npy", data)
+        got = result("equalize")
+        there = ~np.isnan(data.astype("f8"))
+        assert got.dtype == data.dtype and (np.isnan(got.astype("f8")) == ~there).all()
+        v = data[there].astype("f8")
+        up_to = np.searchsorted(np.sort(v), v, side="right").astype("f8")
+        first = (v == v.min()).sum() if data.dtype.kind != "f" else 0
+        want = v.min() + (v.max() - v.min()) * (up_to - first) / (v.size - first)
+        room = 0.5 + 1e-9 if data.dtype.kind != "f" else 3 * (v.max() - v.min()) / v.size
+        assert np.abs(got[there] - want).max() <= room, (kind, np.abs(got[there] - want).max())
+    np.save("a.npy", np.full((3, 4, 5), 7, "i2"))
+    assert (result("equalize") == 7).all()
+
+
+def adaptive(data, side, clip):
+    """CLAHE in doubles, by the formula."""
+    v, bins = data.astype("f8"), 256
+    lo, hi = np.nanmin(v), np.nanmax(v)
+    n = [(d + side // 2) // side if side < d else 1 for d in v.shape]
+    ends = [[t * d // k for t in range(k + 1)] for k, d in zip(n, v.shape)]
+    shares = np.zeros((*n, *v.shape))
+    for tile in np.ndindex(*n):
+        part = v[tuple(slice(e[t], e[t + 1]) for e, t in zip(ends, tile))]
+        count = np.histogram(part[np.isfinite(part)], bins, (lo, hi))[0].astype("f8")
+        most = clip * count.sum() / bins
+        count = np.minimum(count, most) + np.maximum(count - most, 0).sum() / bins
+        shares[tile] = np.interp((v - lo) / (hi - lo) * bins, np.arange(bins + 1), np.append(0, np.cumsum(count)) / count.sum())
+    for axis in range(3):  # mixed along one axis after the other
+        middles = [(a + b - 1) / 2 for a, b in zip(ends[axis], ends[axis][1:])]
+        weights = np.array([np.interp(np.arange(v.shape[axis]), middles, np.eye(n[axis])[t]) for t in range(n[axis])])
+        shape = [-1 if a == axis else 1 for a in range(3)]
+        shares = sum(shares[t] * weights[t].reshape(shape) for t in range(n[axis]))
+    return lo + (hi - lo) * shares
+
+
+def test_adaptive_equalization_is_its_formula():
+    need_numpy()
+    for kind in KINDS:
+        for shape, side, clip in (((9, 14, 23), 5, 3), ((1, 30, 31), 8, 1.5), ((3, 4, 5), 50, 1000)):
+            data = samples(kind, shape)
+            np.save("a.npy", data)
+            got, want = result("equalize", "--method", "clahe", "--tile", side, "--clip", clip).astype("f8"), adaptive(data, side, clip)
+            room = 0.5 + 1e-9 if data.dtype.kind != "f" else 1e-4
+            assert np.nanmax(np.abs(got - want)) <= room and (np.isnan(got) == np.isnan(want)).all(), (kind, shape)
+
+
+def test_histograms_in_little_memory_are_the_same():
+    need_numpy()
+    in_little_memory("equalize")
+    in_little_memory("equalize", "--method", "adaptive", "--tile", "20", memory="24M")
+    in_little_memory("match", "m.npy")
+
+
 main()

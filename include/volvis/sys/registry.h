@@ -12,6 +12,7 @@
 #include <volvis/operation.h>
 #include <volvis/property.h>
 #include <volvis/run.h>
+#include <volvis/sys/io.h>
 VV_BEGIN_DECLS
 
 #define VV_FORMAT_API 1
@@ -22,10 +23,6 @@ VV_BEGIN_DECLS
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
-
-typedef struct vv_source vv_source; /* bounded input: src/io/source.h */
-typedef struct vv_sink vv_sink;     /* output that appears whole or not at all: src/io/sink.h */
-typedef struct vv_notes vv_notes;   /* collects metadata and warnings: src/io/notes.h */
 
 /** A volume file format. */
 typedef struct vv_format {
@@ -48,8 +45,9 @@ typedef struct vv_format {
     bool (*mappable)(const vv_field_info *info, const void *plan);
     vv_status (*write)(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
                        vv_job *job);
-    /** Not NULL: write() makes a folder (vvi_sink_put). Whether a file by this name, below the folder, belongs to such
-     * an output: 0 no, 1 yes, 2 it marks one when it stands at the top. Only folders of such files are ever replaced.
+    /** Not NULL: write() makes a folder, as no row outside the library can yet. Whether a file by this name, below the
+     * folder, belongs to such an output: 0 no, 1 yes, 2 it marks one when it stands at the top. Only folders of such
+     * files are ever replaced.
      */
     int (*folder_file)(const char *name);
     /** Its library fails on damaged files in ways that no caller can catch: it is read by the import program where
@@ -118,7 +116,7 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
-struct vvi_surface_row; /* src/surface/isosurface.h */
+struct vvi_surface_row; /* of the library alone, as is the next */
 struct vvi_made_data;   /* src/model/made_data.h */
 
 /** An input of an operation. */
@@ -204,7 +202,7 @@ typedef struct vv_data_kind {
 /* Renderers ----------------------------------------------------------------------------------------------------- */
 
 struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
-struct vvi_gfx;  /* a drawing on its way */
+struct vvi_gfx;  /* a drawing on its way; of the library alone */
 struct vv_actor; /* one visible volume of it */
 
 /** Pixels [x0, x1) x [y0, y1). */
@@ -277,8 +275,8 @@ typedef struct vv_renderer {
      * there is but one, its centre. *samples_out: how many there were. NULL: render() does it. */
     vv_status (*draw)(void *state, vv_image *image, int64_t samples, int64_t *samples_out, vv_render_counts *counts,
                       vv_job *job);
-    /** The same for a figure: triangles go to `gfx` (src/gfx/gfx.h), what is no triangle onto the image under them,
-     * which is clear. NULL: the figure has the picture in it. */
+    /** The same for a figure: triangles go to `gfx`, of which nothing is public yet, what is no triangle onto the image
+     * under them, which is clear. NULL: the figure has the picture in it. */
     vv_status (*figure)(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
     /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
     bool normals;
@@ -305,12 +303,13 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
-    const struct vvi_made_data
-        *made_data; /**< how data are made of others (src/model/made_data.h); NULL: they are not */
+    const struct vvi_made_data *made_data; /**< how data are made of others; of the library alone */
 } vv_registry;
 
-/** Everything that is built in: src/registry.c. */
+/** Everything that is built in: src/registry.c. A program adds rows of its own by vv_runtime_options.more. */
 VV_API const vv_registry *vv_registry_builtin(void);
+/** That of the job's runtime; what is built in for NULL. */
+VV_API const vv_registry *vv_job_registry(const vv_job *job);
 /** By name; NULL, and an error with the nearest real name, when there is none. */
 VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);

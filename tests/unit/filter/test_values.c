@@ -55,6 +55,25 @@ static void merging_is_the_same_in_all_ways(void **state)
         all_ways(&vvi_operation_merge, settings, type, 1);
 }
 
+static void noise_is_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"sigma=3", "kind=\"poisson\"", "kind=\"rician\";seed=9",
+                                           "kind=\"salt-and-pepper\"", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++)
+        all_ways(&vvi_operation_add_noise, settings, type, 0);
+}
+
+static void histograms_are_changed_the_same_in_all_ways(void **state)
+{
+    static const char *const settings[] = {"", NULL};
+    static const char *const tiles[] = {"", "method=\"adaptive\"", "method=\"adaptive\";tile=\"3\";clip=1.5", NULL};
+    for (vv_type type = 0; type < VV_TYPE_COUNT; type++) {
+        all_ways(&vvi_operation_equalize, tiles, type, 0);
+        if (type != VV_TYPE_I16) /* whose values fall */
+            all_ways(&vvi_operation_match, settings, type, 2);
+    }
+}
+
 /* Each channel has its own, or all have the one. */
 static void channels_of_a_mask_go_each_with_its_own(void **state)
 {
@@ -81,6 +100,8 @@ int main(void)
         cmocka_unit_test(clamping_is_the_same_in_all_ways),
         cmocka_unit_test(masking_is_the_same_in_all_ways),
         cmocka_unit_test(merging_is_the_same_in_all_ways),
+        cmocka_unit_test(noise_is_the_same_in_all_ways),
+        cmocka_unit_test(histograms_are_changed_the_same_in_all_ways),
         cmocka_unit_test(channels_of_a_mask_go_each_with_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,7 @@
 #include "fields.h"
 #include "grid/mesh.h"
 #include "jobs.h"
+#include "model/merge.h"
 #include "operations.h"
 #include "registry.h"
 
@@ -301,6 +302,29 @@ static void cancelled_work_leaves_nothing_and_others_go_on(void **state)
     vv_job_release(job);
 }
 
+static void what_is_added_to_a_world_stays_made_of_its_own(void **state)
+{
+    vv_field *two = make_frame(2, VV_MEANING_SCALAR);
+    const vv_field *fields[] = {two};
+    ok(vv_field_write(io_path(state, "two.nrrd"), fields, 1, NULL, NULL));
+    vv_field_release(two);
+    vv_world *world = world_of(state, write_frames(state, "in.nrrd", 1, VV_MEANING_SCALAR), SMOOTH);
+    vv_world *other = world_of(state, io_path(state, "two.nrrd"), SMOOTH);
+    vv_field *truth = field_of(other, "smooth", 0, NULL), *first = field_of(world, "smooth", 0, NULL);
+    ok(vvi_world_merge(&world, other, NULL));
+    assert_string_equal(dataset_of(world, "smooth_2")->inputs, "{\"volume\": \"file_2\"}");
+    vv_field *added = field_of(world, "smooth_2", 0, NULL), *before = field_of(world, "smooth", 0, NULL);
+    assert_true(test_same_samples(added, truth));
+    assert_true(test_same_samples(before, first));
+    assert_false(test_same_samples(added, before));
+    vv_field_release(truth);
+    vv_field_release(first);
+    vv_field_release(added);
+    vv_field_release(before);
+    vv_object_release(&world->base);
+    vv_object_release(&other->base);
+}
+
 /* What a scene may not ask for --------------------------------------------------------------------------------------
  */
 
@@ -476,6 +500,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(names_of_labels_go_along_into_meshes, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(what_memory_does_not_hold_is_read_in_parts, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(cancelled_work_leaves_nothing_and_others_go_on, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(what_is_added_to_a_world_stays_made_of_its_own, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(what_a_scene_may_not_ask_for_is_said_with_its_path, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(chains_have_an_end, io_setup, io_teardown),
         cmocka_unit_test(scenes_keep_the_recipe_as_it_was_written),

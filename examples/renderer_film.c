@@ -1,11 +1,10 @@
 /* "film": what X-rays would leave on a film: light where they met matter. Cell by cell, so it works on any data kind.
  */
 #include "renderer_film.h"
-#include "core/job.h"
-#include "scene/lens.h"
 #include <math.h>
 #include <stdlib.h>
 #include <volvis/sys/scene.h>
+#include <volvis/sys/work.h>
 
 enum { MAX_SEGMENTS = 1024 };
 
@@ -44,7 +43,7 @@ static vv_status accepts(const vv_scene *scene)
 
 static const vv_data_kind *kind_of(const vv_field_info *info, const vv_job *job)
 {
-    const vv_data_kind *const *kinds = vvi_job_registry(job)->data_kinds;
+    const vv_data_kind *const *kinds = vv_job_registry(job)->data_kinds;
     while (*kinds && !(*kinds)->accepts(info))
         kinds++;
     return *kinds;
@@ -60,7 +59,8 @@ static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
         return vv_fail(VV_E_UNSUPPORTED, "volume '%s': film has no way through samples of this kind", actor->id);
     f.to_field = vv_affine_compose(info->grid.index_to_world, world_to_index);
     const vv_bounds box = f.kind->bounds(info);
-    f.per_length = ((const film_params *)scene->params)->strength / vvi_length(vvi_sub(box.hi, box.lo));
+    const double x = box.hi.x - box.lo.x, y = box.hi.y - box.lo.y, z = box.hi.z - box.lo.z;
+    f.per_length = ((const film_params *)scene->params)->strength / sqrt(x * x + y * y + z * z);
     film *state = malloc(sizeof *state);
     if (!state)
         return vv_fail_memory(sizeof *state);
@@ -94,8 +94,8 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     for (int32_t y = tile->y0; y < tile->y1; y++) {
         for (int32_t x = tile->x0; x < tile->x1; x++) {
             vv_vec3 origin, direction;
-            vvi_lens_ray(&origin, &direction, &scene->lens, scene->width, scene->height,
-                         (double)x * pass->stride + pass->x, (double)y * pass->stride + pass->y);
+            vv_lens_ray(&origin, &direction, &scene->lens, scene->width, scene->height,
+                        (double)x * pass->stride + pass->x, (double)y * pass->stride + pass->y);
             origin = vv_affine_point(f->to_field, origin);
             direction = vv_affine_vector(f->to_field, direction);
             const float light = (float)(1 - exp(-f->per_length * depth_along(f, origin, direction)));
@@ -103,14 +103,14 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
             pixel[0] = pixel[1] = pixel[2] = pixel[3] = light;
             counts->rays++;
         }
-        const vv_status st = vvi_job_poll(job);
+        const vv_status st = vv_job_poll(job);
         if (st != VV_OK)
             return st;
     }
     return VV_OK;
 }
 
-const vv_renderer vvi_renderer_film = {
+const vv_renderer renderer_film = {
     .api = VV_RENDERER_API,
     .name = "film",
     .doc = "an X-ray film, an example",
