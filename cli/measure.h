@@ -42,6 +42,8 @@ size_t cli_measure_most_files(const vv_measure_kind *kind);
 /** What may stand for WHAT, by number; NULL past the last. */
 const char *cli_measure_word_nth(size_t index);
 vv_status cli_measure_fail_kind(const char *word);
+/** Whether a word is one of those in a list, between spaces; NULL: there is none. */
+bool cli_measure_has_word(const char *list, const char *word);
 
 /* Inputs ---------------------------------------------------------------------------------------------------------- */
 

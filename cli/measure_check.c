@@ -9,15 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-static bool has_word(const char *list, const char *word)
-{
-    const size_t n = strlen(word);
-    for (const char *at = list; (at = strstr(at, word)) != NULL; at += n)
-        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
-            return true;
-    return false;
-}
-
 static vv_status check_histogram(const cli_command *command, const cli_measure_options *o)
 {
     const char *marked = o->iso ? "iso" : "threshold";
@@ -79,9 +70,10 @@ static vv_status check_options(const cli_command *command, const cli_measure_opt
         char option[64];
         cli_option_name(option, p);
         /* places on a mesh are in the world anyway */
-        const bool is_so = strcmp(p->name, "space") == 0 && o->space == VV_MEASURE_IN_WORLD && has_word(uses, "points");
+        const bool is_so =
+            strcmp(p->name, "space") == 0 && o->space == VV_MEASURE_IN_WORLD && cli_measure_has_word(uses, "points");
         if (is_so || is_about_result(p->name, q->kind) || !vv_object_is_set(&o->base, p->name) ||
-            has_word(uses, property_of(p)))
+            cli_measure_has_word(uses, property_of(p)))
             continue;
         return cli_refused(command, option,
                            vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; omit it", option,

@@ -48,7 +48,7 @@ size_t cli_measure_most_files(const vv_measure_kind *kind)
     return 1;
 }
 
-static bool has_word(const char *list, const char *word)
+bool cli_measure_has_word(const char *list, const char *word)
 {
     const size_t n = strlen(word);
     for (const char *at = list; at && (at = strstr(at, word)) != NULL; at += n)
@@ -61,7 +61,7 @@ static bool has_word(const char *list, const char *word)
 static const char *nearest_kind(const char *word, const char *const *names, size_t n)
 {
     for (size_t i = 0; vv_measure_kind_nth(i); i++)
-        if (has_word(vv_measure_kind_nth(i)->also, word))
+        if (cli_measure_has_word(vv_measure_kind_nth(i)->also, word))
             return vv_measure_kind_nth(i)->name;
     for (size_t i = 0; i < n; i++)
         if (strlen(word) > 2 && strncmp(word, names[i], strlen(word)) == 0)

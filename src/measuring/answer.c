@@ -181,11 +181,11 @@ static const char *print(vv_answer *a, const char *format, va_list arguments) VV
 static const char *print(vv_answer *a, const char *format, va_list arguments)
 {
     char *text = NULL;
-    if (vasprintf(&text, format, arguments) < 0 || !keep(a, text)) {
-        a->bad = true;
-        return "";
-    }
-    return text;
+    if (vasprintf(&text, format, arguments) >= 0 && keep(a, text))
+        return text;
+    free(text);
+    a->bad = true;
+    return "";
 }
 
 void vvi_tell_line(vv_answer *a, const char *label, const char *format, ...)
@@ -201,11 +201,15 @@ void vvi_tell_line(vv_answer *a, const char *label, const char *format, ...)
 
 void vvi_tell_block(vv_answer *a, vvi_text *text)
 {
-    char *whole = text->n || text->bad ? vvi_text_take(text) : NULL;
-    if (whole && keep(a, whole))
+    if (!text->n && !text->bad)
+        return;
+    char *whole = vvi_text_take(text);
+    if (whole && keep(a, whole)) {
         add(a, VV_ANSWER_BLOCK, VV_FOR_PEOPLE, NULL)->text = whole;
-    else if (text->n || text->bad)
-        a->bad = true;
+        return;
+    }
+    free(whole);
+    a->bad = true;
 }
 
 void vvi_tell_note(vv_answer *a, const char *format, ...)
