@@ -49,7 +49,7 @@ def test_help_and_docs_write_ranges_as_lo_to_hi():
     rescale = ok("help", "rescale").text
     for option in ("from", "to", "percentile"):
         says(rescale, f"--{option} LO..HI ")
-    says(ok("help", "resample").text, "--dims N,N,...")
+    says(ok("help", "resample").text, "--size N,N,...")
     says(ok("help", "isosurface").text, "--iso N,N,...")
     texts = ok("reference").text
     folder = os.path.join(os.path.dirname(__file__), "..", "..", "docs")
@@ -101,7 +101,7 @@ def test_what_is_near_to_nothing_gets_the_whole_list():
     maps = "viridis, magma, inferno, plasma, cividis, gray"
     for words, want in (([*render, "--tf", "qqq"], f"bone, skin, lungs"), (["presets", "qqq"], maps), (["qqq"], "view, serve"),
                         ([*render, "--set", "volumes.head.segmentation.transfer.colormap=qqq"], maps),
-                        (["operations", "qqq"], "crop, flip"), (["methods", "qqq"], "raycast, surface"), (["formats", "qqq"], "pfm and svg"),
+                        (["operations", "qqq"], "crop, pad, flip"), (["methods", "qqq"], "raycast, surface"), (["formats", "qqq"], "pfm and svg"),
                         ([*render, "--mode", "qqq"], "composite, maximum (or mip)"), ([*render, "--view", "qqq"], "front (or anterior), back"),
                         ([*render, "--quality", "qqq"], "draft, normal"), (["measure", "qqq", "head.nrrd"], "area, volume, box"),
                         (["render", "head.nrrd", "-o", "a.qqq"], ".pfm and .svg"), (["convert", "head.nrrd", "-o", "a.qqq"], ".nrrd, .nhdr"),
