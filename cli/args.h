@@ -16,12 +16,16 @@ typedef struct cli_given {
     const char *place; /**< "FILE:LINE" of the file of defaults; NULL: the command line */
 } cli_given;
 
+enum { CLI_PLACES_MOST = 16 };
+
 typedef struct cli_args {
     cli_given *given;
     size_t n_given;
     const char **words; /**< what stands without dashes */
     size_t n_words;
-    char *names; /**< of the inputs, as given for an option; what is behind one of `given` */
+    bool placed;                   /**< some words are for inputs that they say, and others before them are left out */
+    size_t place[CLI_PLACES_MOST]; /**< by word, where they are placed: the number of the input */
+    char *names;                   /**< of the inputs, as given for an option; what is behind one of `given` */
 } cli_args;
 
 /** Errors: VV_E_ARGUMENT, with the nearest real name for an unknown option. */

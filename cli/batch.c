@@ -169,5 +169,6 @@ vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
     take_options(args, index);
     args->words[0] = args->words[index];
     args->n_words = 1;
+    args->placed = false;
     return VV_OK;
 }

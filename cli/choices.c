@@ -167,7 +167,7 @@ static const char *colormap_name(const vv_registry *registry, size_t index)
 
 static const char *measure_name(const vv_registry *registry, size_t index)
 {
-    return cli_measure_kind_nth(index);
+    return cli_measure_word_nth(index);
 }
 
 const char *cli_choice_nth(const vv_registry *registry, const char *table, size_t index)

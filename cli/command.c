@@ -4,6 +4,7 @@
 #include "choices.h"
 #include "command_words.h"
 #include "help.h"
+#include "io/source.h"
 #include "limit_words.h"
 #include "output.h"
 #include "refusal.h"
@@ -279,12 +280,15 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
 {
     cli_command command = {.registry = vv_registry_builtin(), .watch = watch};
     const bool json = asks_json(argc, argv);
+    const unsigned faults = vvi_mapping_faults();
     cli_signals_watch(NULL);
     vvi_result_open(&command.json, NULL, '{');
     int n_before;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
         st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before, index);
+    if (st == VV_OK && !command.served)
+        st = vvi_mapping_check_since(faults);
     if (st == VV_OK && watch) {
         cli_watch_written(watch, &command);
         cli_watch_stamp(&command.text);

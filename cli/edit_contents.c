@@ -3,7 +3,7 @@
 #include "edits.h"
 #include "input.h"
 #include "refusal.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -158,12 +158,12 @@ static vv_status look_at_samples(unsigned *contents, cli_edits *edits, const vv_
     return st;
 }
 
-static vv_status look_at_mesh(unsigned *contents, cli_edits *edits, const vv_dataset *dataset)
+static vv_status look_at_mesh(unsigned *contents, cli_edits *edits, const vv_world *world, const vv_dataset *dataset)
 {
     vv_mesh *mesh = NULL;
     if (!edits->look->tf && !edits->look->range)
         return VV_OK;
-    const vv_status st = vv_dataset_mesh(&mesh, dataset, edits->command->job);
+    const vv_status st = vv_dataset_mesh(&mesh, world, dataset, edits->command->job);
     *contents |= st == VV_OK && vv_mesh_get_info(mesh)->values ? CONTENT_VERTEX_VALUES : 0;
     vv_mesh_release(mesh);
     return st;
@@ -182,7 +182,7 @@ static vv_status look_at(unsigned *contents, bool *any_out, cli_edits *edits, co
             continue;
         *any_out = true;
         st = vv_dataset_is_mesh(dataset, edits->command->job)
-                 ? look_at_mesh(contents, edits, dataset)
+                 ? look_at_mesh(contents, edits, world, dataset)
                  : look_at_samples(contents, edits, world, world->volumes->entry[i].id, volume);
     }
     return st;

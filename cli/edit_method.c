@@ -1,9 +1,9 @@
 /* --method, --mode, --iso, --step, and how much is spent on a picture. */
 #include "core/units.h"
 #include "edits.h"
-#include "mesh_scene.h"
 #include "refusal.h"
-#include "render/common/resolve.h"
+#include "run/measured.h"
+#include "scene/resolve.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,8 +30,8 @@ static bool iso_before(double *out, char method[64], cli_edits *edits)
 {
     vv_world *world = vv_model_snapshot(edits->model);
     cli_edit_method_of(method, edits);
-    const bool found =
-        strcmp(method, edits->look->method) != 0 && cli_mesh_scene_iso(out, world, edits->view, edits->command->job);
+    const bool found = strcmp(method, edits->look->method) != 0 &&
+                       vvi_world_surface_value(out, world, edits->view, edits->command->job);
     vv_object_release(&world->base);
     return found;
 }

@@ -8,8 +8,9 @@
 static vv_status edit_cross_hair(cli_edits *edits, const char *typed)
 {
     vvi_text json = {0};
-    cli_value_vector(&json, typed);
-    const vv_status st = json.bad ? vv_fail_memory(json.n) : cli_edit_set(edits, "cross-hair", json.s, "cross_hair");
+    vv_status st = cli_value_point(&json, "cross-hair", typed);
+    if (st == VV_OK)
+        st = cli_edit_set(edits, "cross-hair", json.s, "cross_hair");
     vvi_text_free(&json);
     return st;
 }

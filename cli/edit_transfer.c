@@ -324,8 +324,8 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
             vv_fail(VV_E_ARGUMENT,
                     "is of the samples of volumes, and '%s' is a mesh; --range LO..HI is for values at vertices",
                     data));
-    else if ((st = vv_dataset_field(&field, (const vv_dataset *)(const void *)dataset, volume->attribute, volume->frame,
-                                    job)) == VV_OK)
+    else if ((st = vv_dataset_field(&field, world, (const vv_dataset *)(const void *)dataset, volume->attribute,
+                                    volume->frame, job)) == VV_OK)
         st = leave_missing_out(&field, &component, volume, job);
     if (st == VV_OK && field)
         st = vvi_field_percentiles(range, percents, field, component, job);

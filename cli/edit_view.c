@@ -74,10 +74,10 @@ static bool is_anatomical(cli_edits *edits)
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
         vv_mesh *mesh = NULL;
         if (vv_dataset_is_mesh(dataset, edits->command->job)) {
-            if (vv_dataset_mesh(&mesh, dataset, edits->command->job) == VV_OK)
+            if (vv_dataset_mesh(&mesh, world, dataset, edits->command->job) == VV_OK)
                 info.grid.space = vv_mesh_get_info(mesh)->space;
             vv_mesh_release(mesh);
-        } else if (vv_dataset_info(&info, dataset, edits->command->job) != VV_OK) {
+        } else if (vv_dataset_info(&info, world, dataset, edits->command->job) != VV_OK) {
             continue;
         }
         if (info.grid.space == VV_SPACE_RAS)
@@ -168,9 +168,8 @@ static vv_status edit_point(cli_edits *edits, const char *option, const char *ty
     vv_status st = VV_OK;
     if (!typed)
         return VV_OK;
-    cli_value_vector(&json, typed);
-    st = json.bad ? vv_fail_memory(json.n)
-                  : cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
+    if ((st = cli_value_point(&json, option, typed)) == VV_OK)
+        st = cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
     vvi_text_free(&json);
     return st;
 }

@@ -12,6 +12,9 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
      .automatic = "raycast; surface for meshes; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
+    {VV_PROP(cli_look, apply), .kind = VV_KIND_STRING, .unit = "CHAIN", .automatic = "nothing: the data as they are",
+     .doc = "operations on the data of the first input before they are shown, as in 'gaussian --sigma 1mm | threshold "
+            "--range 80..'; the World keeps how they were made ('volvis help pipe')"},
     {VV_PROP(cli_look, mode), .kind = VV_KIND_STRING, .unit = "MODE", .table = "modes", .automatic = "composite",
      .doc = "what a ray computes from the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
@@ -36,13 +39,14 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
      .automatic = "fitted to the histogram",
      .doc = "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity "
-            "per unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it applies to the one "
-            "before it, like all options about values, which behind the last one then are its own; VOLUME=TF names a "
-            "volume"},
+            "per unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; VOLUME=TF is for that volume. If an option "
+            "about values stands between two inputs, each such option is for the input before it; otherwise they are "
+            "for all inputs"},
     {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "#e6dcc8, or what the file says",
      .doc = "of surfaces and meshes: #rrggbb or a CSS name; in slices, the bright end of the greys"},
     {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
-     .automatic = "unchanged; 50% for overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
+     .automatic = "unchanged; 50% for overlays in slices that would hide everything",
+     .doc = "of clouds, meshes and slices, from 0 to 1"},
     {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
      .doc = "values over which presets and colour maps are stretched"},
     {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",

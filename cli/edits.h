@@ -15,6 +15,7 @@ typedef struct cli_look {
     char *background, *eye, *at, *up, *fov, *parallel, *zoom, *aov;
     char *decorate, *title, *caption;
     char *slice, *window, *cross_hair;
+    char *apply;
     vv_collection *clip; /**< of cli_word */
     bool no_shading;
 } cli_look;

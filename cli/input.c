@@ -3,9 +3,11 @@
 #include "mesh.h"
 #include "missing.h"
 #include "model/context.h"
+#include "model/dataset.h"
 #include "model/merge.h"
 #include "output.h"
 #include "picture_notes.h"
+#include "scene/load.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,19 +165,20 @@ const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volu
     return (const vv_dataset *)(const void *)found;
 }
 
-/* The data that a World shows first, as volume_out: its path, layout and time step take the place of the World's own
- * file. */
-static vv_status take_data(cli_input *out, const vv_volume **volume_out, vv_read_options *options,
-                           const vv_world *world)
+/* The first volume that a World shows; NULL: it shows none. */
+static const vv_volume *first_shown(const vv_world *world)
 {
-    const vv_volume *volume = NULL;
-    for (size_t i = 0; i < world->volumes->n && !volume; i++) {
+    for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *one = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        volume = one->visible ? one : NULL;
+        if (one->visible)
+            return one;
     }
-    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
-    if (!dataset || !dataset->path)
-        return vv_fail_at(VV_E_FORMAT, out->path, NULL, "is a scene that shows no data from a file");
+    return NULL;
+}
+
+/* A file's path, layout and time step take the place of the World's own file. */
+static vv_status take_data(cli_input *out, vv_read_options *options, const vv_volume *volume, const vv_dataset *dataset)
+{
     char *path = strdup(dataset->path);
     if (!path)
         return vv_fail_memory(strlen(dataset->path) + 1);
@@ -185,11 +188,16 @@ static vv_status take_data(cli_input *out, const vv_volume **volume_out, vv_read
     options->format = dataset->format;
     options->part = options->part ? options->part : dataset->part;
     options->raw = dataset->raw;
-    *volume_out = volume;
     return VV_OK;
 }
 
 /* volume: of a World, which may say what is missing; NULL: there is none. */
+static vv_status finish_open(cli_input *out, cli_command *command, const vv_volume *volume)
+{
+    const vv_status st = check_frame(out);
+    return st == VV_OK ? cli_missing_take(out, command, volume) : st;
+}
+
 static vv_status open_data(cli_input *out, cli_command *command, const vv_read_options *options,
                            const vv_volume *volume)
 {
@@ -200,9 +208,29 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
         return st;
     if (options->part && !(out->part = strdup(options->part)))
         return vv_fail_memory(strlen(options->part));
-    if ((st = check_frame(out)) != VV_OK)
-        return st;
-    return cli_missing_take(out, command, volume);
+    return finish_open(out, command, volume);
+}
+
+/* Nothing is written over what the data are made of. */
+static vv_status spare_files(cli_command *command, const vv_world *world)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        if (dataset->path)
+            st = cli_output_spare(command, command->common->output, dataset->path);
+    }
+    return st;
+}
+
+static vv_status open_made(cli_input *out, cli_command *command, const vv_world *world, const vv_volume *volume,
+                           const vv_dataset *dataset)
+{
+    vv_status st = spare_files(command, world);
+    out->frame = out->frame >= 0 ? out->frame : volume->frame;
+    if (st == VV_OK)
+        st = vvi_dataset_open(&out->file, world, dataset, command->job);
+    return st == VV_OK ? finish_open(out, command, volume) : st;
 }
 
 /* `convert picture.png`: the data that the picture shows. */
@@ -210,11 +238,16 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
                                     const vv_world *world)
 {
     vv_read_options options;
-    const vv_volume *volume = NULL;
+    const vv_volume *volume = first_shown(world);
+    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
     vv_status st;
+    if (dataset && vv_dataset_is_made(dataset))
+        return open_made(out, command, world, volume, dataset);
+    if (!dataset || !dataset->path)
+        return vv_fail_at(VV_E_FORMAT, out->path, NULL, "is a scene that shows no data from a file");
     vv_read_options_init(&options, sizeof options);
     options.part = name->part;
-    if ((st = take_data(out, &volume, &options, world)) == VV_OK &&
+    if ((st = take_data(out, &options, volume, dataset)) == VV_OK &&
         (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK &&
         (st = open_data(out, command, &options, volume)) != VV_OK)
         st = cli_fail_data(command, world, name->path, st);

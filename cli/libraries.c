@@ -44,7 +44,7 @@
 #include <hdf5.h>
 #endif
 #if VV_HAVE_GDCM
-#include "io/formats/dicom_gdcm.h"
+#include "io/formats/dicom/dicom_gdcm.h"
 #endif
 #if VV_HAVE_FONTCONFIG
 #include <fontconfig/fontconfig.h>

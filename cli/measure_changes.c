@@ -1,7 +1,6 @@
 /* Figures then and now: which of them changed, for people, in a table and in JSON. */
 #include "core/units.h"
 #include "measure.h"
-#include "measure_stored.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,11 +38,9 @@ static bool same(const vv_measured_figure *a, const vv_measured_figure *b)
     return isnan(x) || fabs(x - y) <= SAME * fmax(fmax(fabs(x), fabs(y)), fmax(0, error_of(b)));
 }
 
-static void print_figure(char out[CLI_FIGURE_TEXT], const vv_measured_figure *f)
+static void print_figure(char out[VVI_FIGURE_TEXT], const vv_measured_figure *f)
 {
-    cli_figure shown = {.value = value_of(f), .error = error_of(f)};
-    snprintf(shown.unit, sizeof shown.unit, "%s", f->unit ? f->unit : "");
-    cli_figure_print(out, &shown);
+    vvi_figure_print(out, value_of(f), error_of(f), 0, f->unit ? f->unit : "");
 }
 
 /* Of many figures a few are told; the others only when they change. */
@@ -82,7 +79,7 @@ static const vv_measured_figure *along(const vv_collection *now, const vv_collec
 /* Three numbers of a place as one line, with `name`_x; false: they are told one by one. */
 static bool put_place(vvi_text *out, const char *name, const vv_collection *now, const vv_collection *then)
 {
-    char text[3][CLI_FIGURE_TEXT], base[192];
+    char text[3][VVI_FIGURE_TEXT], base[192];
     const size_t n = strlen(name);
     if (n < 3 || n >= sizeof base || name[n - 2] != '_' || !strchr("xyz", name[n - 1]) || !is_told(name))
         return false;
@@ -91,8 +88,7 @@ static bool put_place(vvi_text *out, const char *name, const vv_collection *now,
         const vv_measured_figure *f = along(now, then, base, "xyz"[a]);
         if (!f)
             return false;
-        const cli_figure shown = {.value = value_of(f), .error = error_of(f)};
-        cli_figure_print(text[a], &shown);
+        vvi_figure_print(text[a], value_of(f), error_of(f), 0, "");
     }
     if (name[n - 1] != 'x')
         return true;
@@ -104,7 +100,7 @@ static bool put_place(vvi_text *out, const char *name, const vv_collection *now,
 /* compared: there were figures before. */
 static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_measured_figure *was, bool compared)
 {
-    char text[CLI_FIGURE_TEXT], before[CLI_FIGURE_TEXT] = "";
+    char text[VVI_FIGURE_TEXT], before[VVI_FIGURE_TEXT] = "";
     print_figure(text, now);
     const bool changed = was && !same(was, now), is_new = compared && !was;
     if (changed)
@@ -119,7 +115,7 @@ static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_meas
 
 static void put_gone(vvi_text *out, bool csv, const char *id, const vv_measured_figure *was)
 {
-    char text[CLI_FIGURE_TEXT], number[32] = "";
+    char text[VVI_FIGURE_TEXT], number[32] = "";
     print_figure(text, was);
     if (isfinite(value_of(was)))
         vvi_print_number(number, value_of(was));

@@ -1,10 +1,6 @@
-/* The options of measure: their table, and what is typed as their values. */
-#include "core/units.h"
-#include "grid/label_id.h"
+/* The options of measure. */
 #include "measure.h"
-#include "value.h"
-#include <math.h>
-#include <string.h>
+#include <stddef.h>
 
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
@@ -75,35 +71,3 @@ const vv_class cli_measure_class = {
     .size = sizeof(cli_measure_options),
     .properties = rows,
 };
-
-vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
-{
-    char first[64], last[64];
-    *lo = -INFINITY;
-    *hi = INFINITY;
-    if (!cli_value_split_range(first, last, typed) || (*first && !vvi_parse_number(lo, first)) ||
-        (*last && !vvi_parse_number(hi, last)))
-        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO..HI, as in 90..300, 90.. or 90, found '%s'", typed);
-    return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: LO is above HI in '%s'; exchange them", typed);
-}
-
-vv_status cli_label_parse(vv_label_id *out, const char *option, const char *typed, vv_type type)
-{
-    if (vvi_label_parse(out, typed, vvi_label_is_unsigned(type)))
-        return VV_OK;
-    if (vvi_label_parse(out, typed, true))
-        return vv_fail(VV_E_ARGUMENT, "--%s: no sample is %s: they are %s, which end at 2^63", option, typed,
-                       vv_type_name(type));
-    return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number%s, found '%s'", option,
-                   strpbrk(typed, "eE.") && strchr("+-.0123456789", *typed) ? ", with all of its digits" : "", typed);
-}
-
-vv_status cli_range_parse(double *lo, double *hi, const char *typed)
-{
-    double range[2];
-    if (cli_value_numbers(range, 2, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", typed);
-    *lo = range[0];
-    *hi = range[1];
-    return VV_OK;
-}

@@ -1,5 +1,5 @@
-#include "measure_plot.h"
-#include "gfx/font.h"
+/* Plots of what was measured, as files. */
+#include "measure.h"
 #include "output.h"
 #include "report.h"
 #include <stdio.h>
@@ -36,83 +36,13 @@ vv_status cli_plot_check(cli_command *command)
     return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
 }
 
-/* Cut between letters, with an ellipsis, where it is too long. */
-static void shorten(char *text, size_t room)
-{
-    size_t end = room - 4;
-    if (strlen(text) < room)
-        return;
-    while (end && ((unsigned char)text[end] & 0xc0) == 0x80)
-        end--;
-    memcpy(text + end, "\xe2\x80\xa6", 4);
-}
-
-void cli_plot_subset(char out[CLI_SUBSET_ROOM], const cli_measuring *m, bool object)
-{
-    char all[sizeof m->object + sizeof m->region + 64];
-    const bool part = strcmp(m->region, "all") != 0;
-    snprintf(all, sizeof all, "%s%s%s%s", object ? m->object : "",
-             m->choice.seeded ? "; the piece around the seed" : "",
-             object && part ? "; in "
-             : part         ? "in "
-                            : "",
-             part ? m->region : "");
-    shorten(all, 110);
-    snprintf(out, CLI_SUBSET_ROOM, "%.*s", CLI_SUBSET_ROOM - 1, all);
-}
-
-/* What lies under a density's plot. */
-static vv_status paint(vv_image **out, const vvi_plot *plot, vv_job *job)
-{
-    const vv_status st = vv_image_new(out, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, job);
-    if (st == VV_OK && plot->density)
-        vvi_plot_paint(*out, plot);
-    return st;
-}
-
 static vv_status write_svg(cli_command *command, const vvi_plot *plot)
 {
     vvi_text document = {0};
-    vvi_gfx_target target = {
-        .width = VVI_PLOT_WIDTH, .height = VVI_PLOT_HEIGHT, .svg = &document, .title = plot->title};
-    vvi_gfx *gfx = NULL;
-    vv_status st = plot->density ? paint(&target.image, plot, command->job) : VV_OK;
-    if (st == VV_OK)
-        st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, command->job);
-    if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, command->job)) == VV_OK)
-        st = vvi_gfx_end(gfx);
-    else
-        vvi_gfx_abandon(gfx);
-    if (st == VV_OK && document.bad)
-        st = vv_fail_memory(document.n);
+    vv_status st = vvi_plot_svg(&document, plot, command->job);
     if (st == VV_OK)
         st = cli_report_file(command, command->common->output, document.s, document.n);
     vvi_text_free(&document);
-    vv_image_release(target.image);
-    return st;
-}
-
-/* Without a font the curve is still worth seeing. */
-static vv_status draw_image(vv_image *image, const vvi_plot *plot, cli_command *command)
-{
-    vv_job *job = command->job;
-    vvi_plot shown = *plot;
-    vvi_font *font = NULL;
-    vvi_gfx *gfx = NULL;
-    vv_status st = vvi_font_open(&font, NULL);
-    const vvi_gfx_font letters = {vvi_font_draw, font};
-    shown.no_letters = st == VV_E_NOT_FOUND || st == VV_E_UNSUPPORTED;
-    if (shown.no_letters) {
-        cli_command_note(command, "the plot has no lettering: %s", vv_error_last()->message);
-        st = VV_OK;
-    }
-    const vvi_gfx_target target = {.image = image, .font = shown.no_letters ? NULL : &letters};
-    if (st == VV_OK && (st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job)) == VV_OK &&
-        (st = vvi_plot_draw(gfx, &shown, job)) == VV_OK)
-        st = vvi_gfx_end(gfx);
-    else
-        vvi_gfx_abandon(gfx);
-    vvi_font_close(font);
     return st;
 }
 
@@ -120,9 +50,12 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
 {
     vv_image *image = NULL;
     vv_image_options options;
+    bool lettered;
     vv_image_options_init(&options, sizeof options);
-    vv_status st = paint(&image, plot, command->job);
-    if (st == VV_OK && (st = draw_image(image, plot, command)) == VV_OK)
+    vv_status st = vvi_plot_image(&image, &lettered, plot, command->job);
+    if (st == VV_OK && !lettered)
+        cli_command_note(command, "the plot has no lettering: %s", vv_error_last()->message);
+    if (st == VV_OK)
         st = vv_image_write(command->common->output, image, &options, command->job);
     vv_image_release(image);
     return st;
@@ -138,13 +71,19 @@ static const char *clean(char *out, size_t room, const char *text)
     return out;
 }
 
-vv_status cli_plot_write(cli_command *command, const vvi_plot *plot)
+vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const char *file, bool logarithmic)
 {
     const char *output = command->common->output;
-    vvi_plot shown = *plot;
-    char title[256], subtitle[CLI_SUBSET_ROOM];
-    shown.title = clean(title, sizeof title, plot->title);
-    shown.subtitle = clean(subtitle, sizeof subtitle, plot->subtitle);
+    char title[256], subtitle[256];
+    if (!cli_plot_wanted(command))
+        return VV_OK;
+    if (!answer->plot)
+        return vv_fail(VV_E_ARGUMENT, "-o %s: no sample of %s %s: there is nothing to plot", output, file,
+                       answer->no_plot ? answer->no_plot : "is known");
+    vvi_plot shown = *answer->plot;
+    shown.title = clean(title, sizeof title, shown.title);
+    shown.subtitle = clean(subtitle, sizeof subtitle, shown.subtitle);
+    shown.log_y = logarithmic && shown.steps;
     const vv_status st = is_svg(output) ? write_svg(command, &shown) : write_image(command, &shown);
     if (st != VV_OK)
         return st;

@@ -1,13 +1,8 @@
 /* What was asked and what came out, kept in a scene: --store. */
 #include "core/memory.h"
-#include "core/units.h"
-#include "grid/label_id.h"
 #include "measure.h"
-#include "measure_stored.h"
 #include "mesh.h"
 #include "output.h"
-#include "value.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,85 +33,6 @@ static vv_status find_target(target *out, const char *typed)
     out->scene = strndup(typed, n);
     out->name = colon ? colon + 1 : "";
     return out->scene ? VV_OK : vv_fail_memory(n);
-}
-
-/* Arguments ---------------------------------------------------------------------------------------------------------
- */
-
-static void add_path(vvi_text *out, const char *name, const char *path)
-{
-    if (!path)
-        return;
-    vvi_text_printf(out, ", \"%s\": ", name);
-    vvi_text_json_path(out, path);
-}
-
-static void add_vector(vvi_text *out, const char *name, const char *typed)
-{
-    if (!typed)
-        return;
-    vvi_text_printf(out, ", \"%s\": ", name);
-    cli_value_vector(out, typed);
-}
-
-static void add_label(vvi_text *out, const char *name, const char *typed)
-{
-    char digits[VVI_LABEL_DIGITS];
-    vv_label_id id;
-    if (typed && vvi_label_parse(&id, typed, true))
-        vvi_text_printf(out, ", \"%s\": \"%s\"", name, vvi_label_print(digits, id, false));
-}
-
-static void add_object(vvi_text *out, const cli_result *result, const cli_measure_options *o)
-{
-    double lo = NAN, hi = NAN;
-    if (o->iso && vvi_parse_number(&lo, o->iso))
-        cli_figure_add_number(out, "iso", lo);
-    if (o->other_iso && vvi_parse_number(&hi, o->other_iso))
-        cli_figure_add_number(out, "other_iso", hi);
-    if (o->threshold && cli_threshold_parse(&lo, &hi, o->threshold) == VV_OK) {
-        cli_figure_add_number(out, "threshold_lo", lo);
-        cli_figure_add_number(out, "threshold_hi", hi);
-    }
-    add_label(out, "label", result->label[0][0] ? result->label[0] : o->label);
-    add_label(out, "other_label", result->label[1][0] ? result->label[1] : o->other_label);
-    add_vector(out, "seed", o->seed);
-    if (o->point && o->point->n) {
-        vvi_text_add(out, ", \"points\": [");
-        for (size_t i = 0; i < o->point->n; i++) {
-            vvi_text_add(out, i ? ", " : "");
-            cli_value_vector(out, cli_word_nth(o->point, i));
-        }
-        vvi_text_add(out, "]");
-    }
-}
-
-static void add_range(vvi_text *out, const char *range)
-{
-    if (!range)
-        return;
-    vvi_text_add(out, ", \"range\": [");
-    cli_value_vector(out, range);
-    vvi_text_add(out, "]");
-}
-
-/* The measurement as JSON. file: NULL where it is the scene's own. */
-static void describe(vvi_text *out, const cli_result *result, const cli_question *q, const char *file)
-{
-    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
-    vvi_text_add(out, "{\"what\": ");
-    vvi_text_json(out, q->kind);
-    add_path(out, "file", file);
-    add_path(out, "other", q->file[1]);
-    add_object(out, result, o);
-    if (o->component)
-        vvi_text_printf(out, ", \"component\": %d", result->component);
-    cli_measure_add_same(out, &o->base);
-    add_range(out, o->range);
-    if (result->planes.n)
-        vvi_text_printf(out, ", \"cut_planes\": [%s]", result->planes.s);
-    vvi_text_printf(out, ", \"figures\": [%s]}", result->figures.n ? result->figures.s : "");
-    out->bad |= result->planes.bad || result->figures.bad;
 }
 
 /* The scene ---------------------------------------------------------------------------------------------------------
@@ -198,38 +114,66 @@ static void note_replaced(cli_command *command, const vv_world *world, const cha
     const vv_measurement *m = (const vv_measurement *)(const void *)vv_collection_find(world->measurements, name);
     if (!m)
         return;
-    const char *kind = vv_class_find(m->base.cls, "what")->names[m->what], *was = measured_file(world, m->file);
-    if (strcmp(kind, q->kind) == 0 && same_file(was, measured_file(world, file)) &&
+    const char *kind = vv_measure_kind_of(m)->name, *was = measured_file(world, m->file);
+    if (vv_measure_kind_of(m) == q->kind && same_file(was, measured_file(world, file)) &&
         same_file(m->other ? m->other : "", q->file[1] ? q->file[1] : ""))
         return;
     cli_command_note(command, "measurements.%s, which was %s of %s, is replaced", name, kind, was);
 }
 
-static vv_status keep(cli_result *result, const cli_question *q, const target *t, const char *scene)
+static vv_status set_path(vv_object **asked, const char *name, const char *path)
 {
-    cli_command *command = result->command;
-    vv_world *world = NULL;
     vvi_text json = {0};
-    char name[64] = "";
+    if (!path)
+        return VV_OK;
+    vvi_text_json_path(&json, path);
+    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_set(asked, name, json.s, NULL);
+    vvi_text_free(&json);
+    return st;
+}
+
+/* The measurement as JSON, with the files that it is of and its figures. file: NULL where it is the scene's own. */
+static vv_status describe(char **out, const vv_measurement *asked, const vv_answer *answer, const char *file,
+                          const char *other)
+{
+    vv_object *whole = vv_object_retain(&asked->base);
+    char *figures = NULL;
+    vv_status st = vv_answer_figures(&figures, answer);
+    if (st == VV_OK && (st = set_path(&whole, "file", file)) == VV_OK &&
+        (st = set_path(&whole, "other", other)) == VV_OK &&
+        (st = vv_path_set(&whole, "figures", figures, NULL)) == VV_OK)
+        st = vv_object_to_json(out, whole, 0);
+    free(figures);
+    vv_object_release(whole);
+    return st;
+}
+
+static vv_status keep(cli_command *command, const cli_question *q, const target *t, const vv_measurement *asked,
+                      const vv_answer *answer)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    const char *scene = t->scene ? t->scene : q->file[0];
+    vv_world *world = NULL;
+    char name[64] = "", *json = NULL;
     bool is_input = false;
     vv_status st = open_world(&world, &is_input, command, scene, q->file[0]);
+    const char *file = is_input ? NULL : q->file[0];
     if (st == VV_OK && !is_input)
         st = check_reading(command, q->file[0]);
     if (st == VV_OK) {
-        choose_name(name, world, t, q->kind);
-        note_replaced(command, world, name, q, is_input ? NULL : q->file[0]);
-        describe(&json, result, q, is_input ? NULL : q->file[0]);
-        st = json.bad ? vv_fail_memory(json.n) : put(&world, name, json.s, command);
+        choose_name(name, world, t, q->kind->name);
+        note_replaced(command, world, name, q, file);
+        st = describe(&json, asked, answer, file, q->file[1]);
     }
-    if (st == VV_OK && (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
+    if (st == VV_OK && (st = put(&world, name, json, command)) == VV_OK &&
+        (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
         vvi_result_string(&command->json, "stored_in", scene);
         vvi_result_string(&command->json, "stored_as", name);
-        if (!result->csv)
+        if (!o->csv)
             cli_command_line(command, "stored", "%s: measurements.%s", scene, name);
     }
-    vvi_text_free(&json);
-    if (world)
-        vv_object_release(&world->base);
+    free(json);
+    vv_object_release(world ? &world->base : NULL);
     return st;
 }
 
@@ -255,13 +199,14 @@ vv_status cli_measure_store_check(cli_command *command, const char *input)
     return st;
 }
 
-vv_status cli_measure_store(cli_result *result, const cli_question *q)
+vv_status cli_measure_store(cli_command *command, const cli_question *q, const vv_measurement *asked,
+                            const vv_answer *answer)
 {
-    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     target t = {0};
     vv_status st = find_target(&t, o->store);
     if (st == VV_OK)
-        st = keep(result, q, &t, t.scene ? t.scene : q->file[0]);
+        st = keep(command, q, &t, asked, answer);
     free(t.scene);
     return st;
 }

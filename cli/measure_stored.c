@@ -1,9 +1,7 @@
 /* The measurements of a scene once more, and whether they give what they gave. */
-#include "measure_stored.h"
 #include "core/memory.h"
 #include "core/names.h"
 #include "measure.h"
-#include "measure_plot.h"
 #include "model/classes.h"
 #include "output.h"
 #include "picture_notes.h"
@@ -23,7 +21,7 @@ typedef struct again {
 
 static const char *kind_of(const vv_measurement *m)
 {
-    return vv_class_find(&vvi_measurement_class, "what")->names[m->what];
+    return vv_measure_kind_of(m)->name;
 }
 
 /* Names of files are told as they may be shown: what a scene names may come from anybody. */
@@ -37,10 +35,10 @@ static void put_name(vvi_text *out, const char *label, const char *name)
 }
 
 /* What was measured: the object, with its value where VolVis chose it, and the part. */
-static void put_subject(vvi_text *out, const cli_result *result, const vv_measurement *m)
+static void put_subject(vvi_text *out, const vv_answer *answer, const vv_measurement *m)
 {
-    put_name(out, "object", result->object);
-    put_name(out, "region", result->region);
+    put_name(out, "object", vv_answer_object(answer));
+    put_name(out, "region", vv_answer_region(answer));
     for (size_t i = 0; i < m->cut_planes->n; i++) {
         const vv_cut_plane *p = (const vv_cut_plane *)(const void *)m->cut_planes->entry[i].object;
         vvi_text_printf(out, "  %-16s plane(n=%g,%g,%g d=%g)\n", i ? "" : "cut planes", p->normal.x, p->normal.y,
@@ -51,7 +49,7 @@ static void put_subject(vvi_text *out, const cli_result *result, const vv_measur
 }
 
 static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
-                const cli_result *result)
+                const vv_answer *answer)
 {
     const size_t n = cli_changes_json(&a->command->json, then->figures, now->figures);
     a->n_changed += n > 0;
@@ -60,52 +58,53 @@ static void put(again *a, const char *id, const vv_measurement *then, const vv_m
         vvi_text_printf(&a->text, "%s: %s%s", id, kind_of(then), then->file ? " of " : "");
         vvi_text_add_clean(&a->text, then->file ? then->file : "");
         vvi_text_add(&a->text, then->figures->n == 0 ? ", for the first time\n" : n ? ", CHANGED\n" : ", as before\n");
-        put_subject(&a->text, result, then);
+        put_subject(&a->text, answer, then);
     }
     cli_changes_put(&a->text, a->csv, id, then->figures, now->figures);
 }
 
-static size_t place_of_options(const cli_command *command)
+/* The answer, and its figures as those that a scene has. What it says as text is left aside. */
+static vv_status ask(vv_answer **answer, vv_object **now, again *a, const vv_measurement *m)
 {
-    size_t i = 0;
-    while (command->options[i]->cls != &cli_measure_class)
-        i++;
-    return i;
-}
-
-/* Its options take the place of the command's while it is asked; what it says as text is left aside. */
-static vv_status ask(cli_result *result, const again *a, const vv_measurement *m)
-{
-    cli_command *command = result->command;
-    const size_t at = place_of_options(command);
-    vv_object *const given = command->options[at];
+    cli_command *command = a->command;
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const vvi_text text = command->text;
-    const cli_question question = {kind_of(m), {m->file ? m->file : a->scene, m->other}};
-    vv_object *options = NULL;
-    vv_status st = cli_measure_recall(&options, m);
-    if (st != VV_OK)
-        return st;
-    ((cli_measure_options *)(void *)options)->log = ((const cli_measure_options *)(const void *)given)->log;
-    command->options[at] = options;
+    const cli_question question = {vv_measure_kind_of(m),
+                                   {m->file ? m->file : a->scene, m->other},
+                                   a->scene,
+                                   (vv_measurement *)(void *)vv_object_retain(&m->base)};
+    vv_measurement *asked = NULL;
+    char *figures = NULL;
     command->text = (vvi_text){0};
-    st = cli_measure_ask(result, &question);
+    vv_status st = cli_measure_ask(answer, &asked, command, &question);
+    if (st == VV_OK) {
+        vvi_answer_add_json(&command->json, *answer);
+        st = cli_plot_write(command, *answer, question.file[0], o->log);
+    }
+    if (st == VV_OK && (st = vv_answer_figures(&figures, *answer)) == VV_OK &&
+        (st = vv_object_new(now, &vvi_measurement_class, NULL)) == VV_OK)
+        st = vv_path_set(now, "figures", figures, NULL);
     vvi_text_free(&command->text);
     command->text = text;
-    command->options[at] = given;
-    vv_object_release(options);
+    free(figures);
+    vv_object_release(asked ? &asked->base : NULL);
+    vv_object_release(&question.asked->base);
     return st;
 }
 
-static vv_status keep(again *a, const char *id, const char *figures)
+static vv_status keep(again *a, const char *id, const vv_object *now)
 {
     const cli_measure_options *o = cli_command_options(a->command, &cli_measure_class);
     if (!o->update)
         return VV_OK;
     vv_object *root = &a->world->base;
-    char *path = vvi_asprintf("measurements.%s.figures", id);
-    const vv_status st = path ? vv_path_set(&root, path, figures, NULL) : vv_fail_memory(strlen(id));
+    char *path = vvi_asprintf("measurements.%s.figures", id), *figures = NULL;
+    vv_status st = path ? vv_path_get(&figures, now, "figures") : vv_fail_memory(strlen(id));
+    if (st == VV_OK)
+        st = vv_path_set(&root, path, figures, NULL);
     a->world = (vv_world *)(void *)root;
     free(path);
+    free(figures);
     return st;
 }
 
@@ -164,24 +163,16 @@ static vv_status fail_moved(const vv_measurement *m, const char *id, vv_status s
 static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
 {
     vvi_result *json = &a->command->json;
-    cli_result result = {.command = a->command, .edited = a->scene};
+    vv_answer *answer = NULL;
     vv_object *now = NULL;
-    vvi_text figures = {0};
     vvi_result_open(json, NULL, '{');
     vvi_result_string(json, "name", id);
     vvi_result_string(json, "measured", kind_of(m));
     const vvi_result before = *json;
-    vv_status st = ask(&result, a, m);
+    vv_status st = ask(&answer, &now, a, m);
     if (st == VV_OK) {
-        vvi_text_printf(&figures, "{\"figures\": [%s]}", result.figures.n ? result.figures.s : "");
-        st = figures.bad || result.figures.bad
-                 ? vv_fail_memory(figures.n)
-                 : vv_object_from_json(&now, &vvi_measurement_class, figures.s, figures.n, NULL);
-    }
-    if (st == VV_OK) {
-        put(a, id, m, (const vv_measurement *)(const void *)now, &result);
-        figures.s[figures.n - 1] = 0;
-        st = keep(a, id, figures.s + strlen("{\"figures\": "));
+        put(a, id, m, (const vv_measurement *)(const void *)now, answer);
+        st = keep(a, id, now);
     } else {
         st = stays_alone(st) ? fail_moved(m, id, st) : vv_fail_in(st, "measurements.%s", id);
     }
@@ -191,8 +182,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
     }
     vvi_result_close(json, '}');
     vv_object_release(now);
-    vvi_text_free(&figures);
-    cli_result_free(&result);
+    vv_answer_release(answer);
     return st;
 }
 
@@ -236,7 +226,7 @@ static vv_status check_plot(const again *a, const vv_collection *stored, const c
     if (n_asked != 1)
         return vv_fail(VV_E_ARGUMENT, "-o %s: a plot is of one measurement, and %zu are asked for: name one of %s",
                        a->command->common->output, n_asked, a->scene);
-    return cli_measure_has_plot(kind_of(one))
+    return vv_measure_kind_of(one)->plot
                ? VV_OK
                : vv_fail(VV_E_ARGUMENT, "-o %s: histograms and profiles have plots, %s has none",
                          a->command->common->output, kind_of(one));
@@ -283,7 +273,7 @@ static vv_status open_scene(vv_world **out, cli_command *command, const char *fi
     vv_model *model = NULL;
     vvi_recipe recipe;
     vv_status st = vv_model_new(&model, command->runtime);
-    if (st == VV_OK && (st = cli_measuring_world(model, &recipe, command, file, true)) == VV_OK)
+    if (st == VV_OK && (st = cli_measure_world(model, &recipe, command, file, true)) == VV_OK)
         *out = vv_model_snapshot(model);
     vv_model_release(model);
     return st;

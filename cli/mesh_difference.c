@@ -3,8 +3,8 @@
 #include "core/units.h"
 #include "core/vec.h"
 #include "grid/mesh.h"
-#include "measure.h"
 #include "measure/beyond.h"
+#include "measuring/answer.h"
 #include "value.h"
 #include <float.h>
 #include <math.h>
@@ -222,15 +222,10 @@ static void json_mesh(vvi_result *json, const char *key, const cli_mesh_about *a
 static void text_mesh(cli_command *command, const char *label, const cli_mesh_about *about, const vv_mesh_info *m)
 {
     const vv_mesh_measures *f = &about->measures;
-    char area[CLI_FIGURE_TEXT], volume[CLI_FIGURE_TEXT] = "no volume";
-    cli_figure figure = {.value = f->area.value, .error = f->area.error};
-    snprintf(figure.unit, sizeof figure.unit, "%s", f->area.unit);
-    cli_figure_print(area, &figure);
-    figure.value = f->volume.value;
-    figure.error = f->volume.error;
-    snprintf(figure.unit, sizeof figure.unit, "%s", f->volume.unit);
+    char area[VVI_FIGURE_TEXT], volume[VVI_FIGURE_TEXT] = "no volume";
+    vvi_figure_print(area, f->area.value, f->area.error, 0, f->area.unit);
     if (!isnan(f->volume.value))
-        cli_figure_print(volume, &figure);
+        vvi_figure_print(volume, f->volume.value, f->volume.error, 0, f->volume.unit);
     cli_command_line(command, label, "%zu %s, %zu %s, %zu %s; area %s, %s%s", m->n_vertices,
                      cli_plural(m->n_vertices, "vertex", "vertices"), m->n_triangles,
                      cli_plural(m->n_triangles, "triangle", "triangles"), about->topology.n_pieces,
@@ -241,10 +236,8 @@ static void text_mesh(cli_command *command, const char *label, const cli_mesh_ab
 static void put_length(cli_command *command, const char *key, const char *label, const vv_figure *length,
                        const char *unit)
 {
-    char text[CLI_FIGURE_TEXT], error[48];
-    cli_figure f = {.value = length->value, .error = length->error};
-    snprintf(f.unit, sizeof f.unit, "%s", unit);
-    cli_figure_print(text, &f);
+    char text[VVI_FIGURE_TEXT], error[48];
+    vvi_figure_print(text, length->value, length->error, 0, unit);
     snprintf(error, sizeof error, "%s_error", key);
     vvi_result_number(&command->json, key, length->value);
     vvi_result_number(&command->json, error, length->error);
@@ -280,7 +273,7 @@ static void put_sameness(cli_command *command, const cli_mesh_difference *d)
 void cli_mesh_difference_report(cli_command *command, const cli_mesh_difference *d, const vv_mesh *a, const vv_mesh *b)
 {
     const vv_mesh_info *m = vv_mesh_get_info(a), *other = vv_mesh_get_info(b);
-    char bounds[CLI_FIGURE_TEXT];
+    char bounds[VVI_FIGURE_TEXT];
     json_mesh(&command->json, "a", &d->about[0], m);
     json_mesh(&command->json, "b", &d->about[1], other);
     text_mesh(command, "A", &d->about[0], m);

@@ -3,8 +3,8 @@
 #include "core/units.h"
 #include "grid/field.h"
 #include "picture_notes.h"
-#include "render/common/resolve.h"
-#include "render/common/transfer.h"
+#include "scene/resolve.h"
+#include "scene/transfer.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,32 +155,6 @@ vv_status cli_mesh_scene_apply(cli_mesh_scene *s, const vvi_surface_row *surface
     s->more.why = s->chosen;
     surface->add(*params, &s->more);
     return VV_OK;
-}
-
-static bool get(char out[64], const vv_world *world, const char *view, const char *name)
-{
-    char *path = vvi_asprintf("views.%s.render.%s", view, name), *json = NULL;
-    const bool found = path && vv_path_get(&json, &world->base, path) == VV_OK;
-    snprintf(out, 64, "%s", found ? json : "");
-    free(json);
-    free(path);
-    return found;
-}
-
-bool cli_mesh_scene_iso(double *out, const vv_world *world, const char *view, vv_job *job)
-{
-    char mode[64], iso[64], name[128];
-    if (!*view && world->views->n)
-        view = world->views->entry[0].id;
-    const vv_view *seen = (const vv_view *)(const void *)vv_collection_find(world->views, view);
-    if (!seen)
-        return false;
-    const char *method = vvi_method_of(world, seen, job);
-    snprintf(name, sizeof name, "%s.mode", method);
-    if (get(mode, world, view, name) && strcmp(mode, "\"isosurface\"") != 0) /* without modes all is surfaces */
-        return false;
-    snprintf(name, sizeof name, "%s.iso", method);
-    return get(iso, world, view, name) && vvi_parse_number(out, iso);
 }
 
 void cli_mesh_scene_close(cli_mesh_scene *scene)

@@ -30,8 +30,5 @@ void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input);
 /** The parameters of an operation that makes surfaces from now on make what is seen: nothing that was typed changes.
  * `scene` stays where it is as long as they are used. */
 vv_status cli_mesh_scene_apply(cli_mesh_scene *scene, const vvi_surface_row *surface, vv_object **params);
-/** The value of the surface that a view's method shows of values (view "": the first); false: it shows none, or one
- * whose value nobody has set. Nothing is loaded. */
-bool cli_mesh_scene_iso(double *out, const vv_world *world, const char *view, vv_job *job);
 void cli_mesh_scene_close(cli_mesh_scene *scene);
 #endif

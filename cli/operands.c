@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WORDS_MOST = 16 };
+enum { WORDS_MOST = CLI_PLACES_MOST };
 
 static const vv_property *positional_of(const vv_class *cls)
 {
@@ -90,13 +90,17 @@ static vv_status put_in_places(cli_args *args, const cli_verb *verb)
     }
     for (size_t i = 0; i < WORDS_MOST; i++)
         last = at[i] ? i + 1 : last;
-    for (size_t i = 0; i < last; i++)
+    args->n_words = 0;
+    for (size_t i = 0; i < last; i++) {
+        const vv_operand *operand = vv_operation_operand(verb->operation, i);
+        if (!at[i] && operand->least > 0)
+            return vv_fail(VV_E_ARGUMENT, "%s: %s is missing: %s", verb->name, operand->name, operand->doc);
         if (!at[i])
-            return vv_fail(VV_E_ARGUMENT, "%s: %s is missing: %s", verb->name,
-                           vv_operation_operand(verb->operation, i)->name,
-                           vv_operation_operand(verb->operation, i)->doc);
-    memcpy(args->words, at, last * sizeof *at);
-    args->n_words = last;
+            continue;
+        args->placed |= args->n_words != i;
+        args->place[args->n_words] = i;
+        args->words[args->n_words++] = at[i];
+    }
     return VV_OK;
 }
 

@@ -81,8 +81,8 @@ const vv_class cli_common_plain_class = {
 static const vv_property reading_rows[] = {
     {VV_PROP(cli_reading, missing), .kind = VV_KIND_STRING, .unit = "VALUE,...|none",
      .automatic = "what the file says, else one value far from all others that many samples have, such as -9999",
-     .doc = "values that stand for none: no picture, figure or result has anything of them; what is written has NaN "
-            "there; none: every value is one"},
+     .doc = "values that mean 'not measured': they are left out of pictures, figures and results, and written as NaN; "
+            "none: every value counts"},
     {VV_PROP(cli_reading, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e15,
      .doc = "time step to read, from 0; the same as FILE@N"},
     {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "chosen by the reader",

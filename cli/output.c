@@ -2,7 +2,7 @@
 #include "core/names.h"
 #include "input.h"
 #include "io/format.h"
-#include "io/formats/slices_write.h"
+#include "io/formats/slices/slices_write.h"
 #include "io/mesh_file.h"
 #include "refusal.h"
 #include "registry.h"

@@ -85,6 +85,8 @@ static vv_status step(walk *w, const char *part)
         w->cls = variant_class(w, w->row->table, part);
         return w->cls ? VV_OK : fail_variant(w, part);
     }
+    if (!w->cls && w->row->kind == VV_KIND_MEMBERS) /* what has members of its own says itself which */
+        return VV_OK;
     if (!w->cls)
         return vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "'%s' is a value and has no part '%s'", w->row->name, part);
     const vv_property *row = vv_class_find(w->cls, part);

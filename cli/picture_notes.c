@@ -1,8 +1,13 @@
 #include "picture_notes.h"
+#include "core/text.h"
+#include "core/units.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <volvis/render.h>
+
+enum { NOTE_MOST = 600 }; /* characters of a value that was worked out */
 
 /* What the last error says is wrong with it. */
 static bool has_changed(const vv_dataset *dataset)
@@ -86,15 +91,71 @@ vv_status cli_fail_data(const cli_command *command, const vv_world *world, const
     return st;
 }
 
+/* JSON with as many digits of its numbers as people want to read. */
+static void add_rounded(vvi_text *out, const char *json)
+{
+    for (bool quoted = false; *json;) {
+        double number;
+        char text[32];
+        quoted ^= *json == '"';
+        if (!quoted && strchr("-0123456789", *json) && vvi_scan_number(&number, json, &json)) {
+            snprintf(text, sizeof text, "%.9g", number);
+            vvi_text_add(out, text);
+        } else {
+            vvi_text_printf(out, "%c", *json++);
+        }
+    }
+}
+
 /* -v: what nobody said and was worked out; `fixed` has all of it. */
 static void tell_property(cli_command *command, const vv_world *fixed, const char *path, const char *name)
 {
     char whole[256];
     char *json = NULL;
+    vvi_text rounded = {0};
     snprintf(whole, sizeof whole, "%s.%s", path, name);
     if (vv_path_get(&json, &fixed->base, whole) == VV_OK && strcmp(json, "null") != 0)
-        cli_command_note(command, "%s = %.200s%s", whole, json, strlen(json) > 200 ? " ..." : "");
+        add_rounded(&rounded, json);
+    if (rounded.n && !rounded.bad)
+        cli_command_note(command, "%s = %.*s%s", whole, NOTE_MOST, rounded.s, rounded.n > NOTE_MOST ? " ..." : "");
+    vvi_text_free(&rounded);
     free(json);
+}
+
+/* The map whose two ends the rows of (value, r, g, b) have, either way round; NULL: none. */
+static const char *map_of_rows(const vv_numbers *rows)
+{
+    const vv_preset *preset;
+    const double *ends[2] = {rows->v + 1, rows->v + rows->n - 3};
+    for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
+        vv_color a, b;
+        if (strcmp(preset->kind, "colormap") != 0 || !vv_colormap_sample(&a, preset->name, 0) ||
+            !vv_colormap_sample(&b, preset->name, 1))
+            continue;
+        const vv_color *of[2] = {&a, &b};
+        for (int turned = 0; turned < 2; turned++) {
+            bool same = true;
+            for (int e = 0; e < 2; e++) {
+                const vv_color *c = of[e ^ turned];
+                same &= ends[e][0] == c->r && ends[e][1] == c->g && ends[e][2] == c->b;
+            }
+            if (same)
+                return preset->name;
+        }
+    }
+    return NULL;
+}
+
+/* The colours of a transfer function: a named map over a range is said so, other rows are told one by one. */
+static void tell_colors(cli_command *command, const vv_world *fixed, const char *path)
+{
+    const vv_transfer *transfer = (const vv_transfer *)(const void *)vv_path_object(&fixed->base, path);
+    const vv_numbers *rows = transfer && vv_object_is_set(&transfer->base, "color") ? transfer->color : NULL;
+    const char *map = rows && rows->n >= 8 ? map_of_rows(rows) : NULL;
+    if (map)
+        cli_command_note(command, "%s.color: %s, from %.9g to %.9g", path, map, rows->v[0], rows->v[rows->n - 4]);
+    else
+        tell_property(command, fixed, path, "color");
 }
 
 static bool is_word(const vv_world *world, const char *path, const char *word)
@@ -145,5 +206,7 @@ void cli_tell_choices(cli_command *command, const vv_world *fixed, const char *v
         snprintf(path, sizeof path, "volumes.%s.segmentation.transfer", id);
         for (size_t i = 0; !slices && i < sizeof of_transfer / sizeof of_transfer[0]; i++)
             tell_property(command, fixed, path, of_transfer[i]);
+        if (!slices)
+            tell_colors(command, fixed, path);
     }
 }

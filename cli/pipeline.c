@@ -3,8 +3,8 @@
 #include "findings.h"
 #include "grid/true_values.h"
 #include "output.h"
+#include "value.h"
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,12 +35,11 @@ static void report_info(cli_command *command, const char *output, const vv_field
 
 static void report(cli_command *command, const char *output, const vv_run_about *run)
 {
-    char about[128], scaled[128] = "";
+    char about[128], scaled[96] = "";
     const vv_field_info *info = &run->result;
     cli_describe_info(about, &run->written, run->n_frames);
     if (vvi_has_scale(info) && !vvi_has_scale(&run->written))
-        snprintf(scaled, sizeof scaled, ", the values of %s * %g %c %g", vv_type_name(info->type), info->value_scale,
-                 info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
+        cli_value_scaled(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
     report_info(command, output, &run->written, run);
     vvi_result_number(&command->json, "load_s", run->load_s);
     vvi_result_number(&command->json, "run_s", run->run_s);
@@ -49,7 +48,7 @@ static void report(cli_command *command, const char *output, const vv_run_about 
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_text_add_clean(&command->text, output);
-    vvi_text_printf(&command->text, ": %s%s;", about, scaled);
+    vvi_text_printf(&command->text, ": %s%s%s;", about, *scaled ? ", the values of " : "", scaled);
     cli_findings_report(command);
     if (run->streamed)
         vvi_text_printf(&command->text, " streamed in %.2f s\n", run->run_s + run->write_s);
@@ -105,16 +104,18 @@ vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t
     vv_write_options options;
     const vv_run_output output = {command->common->output, &options};
     vv_run *run = NULL;
-    vv_run_input *files = calloc(n_inputs, sizeof *files);
+    const cli_args *args = &command->args;
+    const size_t n_files = args->placed ? args->place[n_inputs - 1] + 1 : n_inputs; /* what is left out is a gap */
+    vv_run_input *files = calloc(n_files, sizeof *files);
     if (!files)
-        return vv_fail_memory(n_inputs * sizeof *files);
+        return vv_fail_memory(n_files * sizeof *files);
     for (size_t i = 0; i < n_inputs; i++) {
         const cli_input *in = &inputs[i];
-        files[i] =
+        files[args->placed ? args->place[i] : i] =
             (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
     }
     cli_output_options(&options, command);
-    vv_status st = vv_run_new(&run, files, n_inputs, steps, n_steps, &output, command->verb.name, command->job);
+    vv_status st = vv_run_new(&run, files, n_files, steps, n_steps, &output, command->verb.name, command->job);
     if (st == VV_OK)
         st = finish(command, output.path, inputs, n_inputs, run);
     vv_run_release(run);

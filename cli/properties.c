@@ -2,8 +2,10 @@
 #include "help.h"
 #include "usage.h"
 
-static const char *const kind_names[] = {"bool", "integer", "number",  "enum",   "string", "path", "reference",
-                                         "vec3", "color",   "numbers", "object", "list",   "map",  "variants"};
+static const char *const kind_names[] = {"bool",   "integer",   "number", "enum",     "string",
+                                         "path",   "reference", "vec3",   "color",    "numbers",
+                                         "object", "list",      "map",    "variants", "members"};
+_Static_assert(sizeof kind_names / sizeof *kind_names == VV_KIND_MEMBERS + 1, "a kind of property has no name");
 static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
 
 static void add_limits(vvi_result *json, const vv_property *row)

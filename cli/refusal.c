@@ -1,5 +1,6 @@
 #include "refusal.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static cli_given *find(const cli_command *command, const char *name, size_t n)
@@ -53,24 +54,65 @@ static bool any_is_set(vvi_text *as_options, const vv_object *params, const char
     return any;
 }
 
+/* "data=labels": of the samples, "labels" or "values". */
+static vv_status refuse_for_data(const char *option, const char *wanted, const char *data)
+{
+    if (!data || strcmp(wanted, data) == 0)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "--%s does nothing to the surface of %s: it is for that of %s; omit it", option, data,
+                   wanted);
+}
+
+/* "method=range|hysteresis": of another parameter, which has one of these words. */
+static vv_status refuse_for_word(const char *option, const char *when, const vv_object *params)
+{
+    char name[64], word[64], other[64];
+    const size_t n = strcspn(when, "=");
+    char *json = NULL;
+    vvi_text words = {0};
+    snprintf(name, sizeof name, "%.*s", (int)n, when);
+    const vv_property *row = vv_class_find(params->cls, name);
+    vv_status st = row ? vv_path_get(&json, params, name) : VV_OK;
+    bool is_one = !json;
+    for (const char *at = when + n; json && *at && !is_one; at += strcspn(at + 1, "|") + 1) {
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at + 1, "|"), at + 1);
+        is_one = strlen(json) == strlen(word) + 2 && strncmp(json + 1, word, strlen(word)) == 0;
+        vvi_text_printf(&words, "%s%s", words.n ? " or " : "", word);
+    }
+    if (!is_one) {
+        cli_option_name(other, row);
+        st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with --%s %.*s: it is for %s; omit it", option, other,
+                     (int)strlen(json) - 2, json + 1, words.bad ? "others" : words.s);
+    }
+    vvi_text_free(&words);
+    free(json);
+    return st;
+}
+
+/* "pieces|least": of others, one of which is given. */
+static vv_status refuse_alone(const char *option, const char *when, const vv_object *params)
+{
+    vvi_text others = {0};
+    vv_status st = VV_OK;
+    if (!any_is_set(&others, params, when))
+        st = vv_fail(VV_E_ARGUMENT, "--%s does nothing without %s: give that too, or omit it", option, others.s);
+    vvi_text_free(&others);
+    return st;
+}
+
 vv_status cli_refuse_idle(const cli_command *command, const vv_object *params, const char *data)
 {
     static const char of_data[] = "data=";
     vv_status st = VV_OK;
     for (const vv_property *row = params->cls->properties; row->name && st == VV_OK; row++) {
-        const bool asks_data = row->when && strncmp(row->when, of_data, sizeof of_data - 1) == 0;
-        const char *wanted = asks_data ? row->when + sizeof of_data - 1 : NULL;
         char option[64];
-        vvi_text others = {0};
-        cli_option_name(option, row);
         if (!row->when || !vv_object_is_set(params, row->name))
             continue;
-        if (wanted && data && strcmp(wanted, data) != 0)
-            st = vv_fail(VV_E_ARGUMENT, "--%s does nothing to the surface of %s: it is for that of %s; omit it", option,
-                         data, wanted);
-        else if (!strchr(row->when, '=') && !any_is_set(&others, params, row->when))
-            st = vv_fail(VV_E_ARGUMENT, "--%s does nothing without %s: give that too, or omit it", option, others.s);
-        vvi_text_free(&others);
+        cli_option_name(option, row);
+        st = strncmp(row->when, of_data, sizeof of_data - 1) == 0
+                 ? refuse_for_data(option, row->when + sizeof of_data - 1, data)
+             : strchr(row->when, '=') ? refuse_for_word(option, row->when, params)
+                                      : refuse_alone(option, row->when, params);
         cli_refused(command, option, st);
     }
     return st;

@@ -4,9 +4,9 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "core/units.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "pipeline.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include "value.h"
 #include <inttypes.h>
 
@@ -35,10 +35,10 @@ static vv_status picture_bytes(uint64_t *out, const vv_world *world, const vv_vi
 }
 
 /* Meshes are read to know how large they are. */
-static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_command *command)
+static vv_status plan_mesh(uint64_t *bytes, const vv_world *world, const vv_dataset *dataset, cli_command *command)
 {
     vv_mesh *mesh;
-    const vv_status st = vv_dataset_mesh(&mesh, dataset, command->job);
+    const vv_status st = vv_dataset_mesh(&mesh, world, dataset, command->job);
     if (st != VV_OK)
         return st;
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
@@ -62,15 +62,25 @@ vv_status cli_render_plan(cli_command *command, const vv_world *world, const vv_
         vv_field_info info;
         uint64_t samples = 0;
         char about[128];
-        if (vv_dataset_is_mesh(dataset, command->job)) {
-            st = plan_mesh(&bytes, dataset, command);
+        const bool made = vv_dataset_is_made(dataset), mesh = vv_dataset_is_mesh(dataset, command->job);
+        if (made && mesh) {
+            cli_command_line(command, "works out", "%s: a mesh, by %s", world->datasets->entry[i].id,
+                             dataset->operation);
             continue;
         }
-        if ((st = vv_dataset_info(&info, dataset, command->job)) != VV_OK ||
+        if (mesh) {
+            st = plan_mesh(&bytes, world, dataset, command);
+            continue;
+        }
+        if ((st = vv_dataset_info(&info, world, dataset, command->job)) != VV_OK ||
             (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
             return st;
         cli_describe_info(about, &info, info.n_frames);
-        cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
+        if (made)
+            cli_command_line(command, "works out", "%s: %s, by %s", world->datasets->entry[i].id, about,
+                             dataset->operation);
+        else
+            cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
         bytes += samples + samples / 20 + CELLS_BYTES;
     }
     vvi_print_bytes(needed, bytes);

@@ -5,6 +5,7 @@
 #include "input/bindings.h"
 #include "server/gate.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -14,9 +15,10 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { TRIES = 16 };
+enum { TRIES = 16, PAGE_NAME = 26, PAGE_SECONDS = 3600 };
 extern char **environ;
 
 static const vv_property rows[] = {
@@ -156,6 +158,22 @@ static bool write_page(const char *path, const char *link)
     return fclose(file) == 0;
 }
 
+/* Of servers that were killed before anybody used the link. */
+static void clear_pages(const char *root)
+{
+    DIR *dir = opendir(root);
+    for (const struct dirent *e; dir && (e = readdir(dir)) != NULL;) {
+        struct stat info;
+        const size_t n = strlen(e->d_name);
+        if (n == PAGE_NAME && strncmp(e->d_name, "open-", 5) == 0 && strcmp(e->d_name + n - 5, ".html") == 0 &&
+            fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
+            info.st_mtime + PAGE_SECONDS < time(NULL))
+            unlinkat(dirfd(dir), e->d_name, 0);
+    }
+    if (dir)
+        closedir(dir);
+}
+
 /* Everybody on this machine sees what programs are started with: so the browser is given a file that this user alone
  * can read, with a link that lets in once. */
 static void open_browser(vvi_server *server, const char *root)
@@ -163,6 +181,7 @@ static void open_browser(vvi_server *server, const char *root)
     char name[VVI_TOKEN_TEXT], link[512];
     if ((!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY")) || vvi_token_make(name) != VV_OK)
         return;
+    clear_pages(root);
     char *path = vvi_asprintf("%s/open-%.16s.html", root, name);
     if (path && vvi_server_launch(link, server, path) == VV_OK && write_page(path, link))
         start_browser(path);

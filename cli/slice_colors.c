@@ -1,13 +1,13 @@
 #include "slice_colors.h"
 #include "grid/field.h"
 #include "grid/fill_value.h"
+#include "grid/label_color.h"
 #include "grid/label_id.h"
 #include "grid/percentile.h"
 #include "io/channel_colors.h"
 #include "io/file_stream.h"
-#include "render/common/colors.h"
-#include "render/common/transfer.h"
-#include "render/common/two_sided.h"
+#include "scene/colors.h"
+#include "scene/two_sided.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -252,7 +252,7 @@ static void label_color(float rgb[3], const cli_slice_colors *c, const char *sam
     if (label && label->has_color) {
         encode(encoded, label->color.a > 0 ? label->color : (vv_color){0, 0, 0, 1});
     } else {
-        vvi_transfer_label_color(own, key.value);
+        vvi_label_color(own, key.value);
         encode(encoded, key.value == 0 ? (vv_color){0, 0, 0, 1} : (vv_color){own[0], own[1], own[2], 1});
     }
     for (int i = 0; i < 3; i++)

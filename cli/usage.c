@@ -97,7 +97,7 @@ void cli_usage_option(vvi_text *out, const vv_property *row)
 
 static void add_default(vvi_text *out, const vv_property *row)
 {
-    static const char *const units[] = {"", "", " deg", " s", " bytes", "", ""};
+    static const char *const units[] = {"", "", " deg", " s", "", "", ""};
     char number[32];
     if (row->automatic) {
         vvi_text_printf(out, "; default: %s", row->automatic);
@@ -106,7 +106,10 @@ static void add_default(vvi_text *out, const vv_property *row)
     switch (row->kind) {
     case VV_KIND_I64:
     case VV_KIND_F64:
-        vvi_print_number(number, row->def);
+        if (row->quantity == VV_Q_BYTES)
+            vvi_print_bytes(number, (uint64_t)row->def);
+        else
+            vvi_print_number(number, row->def);
         vvi_text_printf(out, "; default %s%s", number, units[row->quantity]);
         break;
     case VV_KIND_ENUM:
@@ -145,7 +148,7 @@ void cli_usage_doc(vvi_text *out, const vv_property *row)
 void cli_usage_option_doc(vvi_text *out, const vv_property *row)
 {
     if (row->kind == VV_KIND_BOOL && row->def != 0)
-        vvi_text_printf(out, "without what is the default: %s", row->doc);
+        vvi_text_printf(out, "turn off: %s", row->doc);
     else
         cli_usage_doc(out, row);
 }

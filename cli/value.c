@@ -63,12 +63,39 @@ void cli_value_vector(vvi_text *out, const char *typed)
     vvi_text_add(out, "]");
 }
 
+vv_status cli_value_point(vvi_text *out, const char *option, const char *typed)
+{
+    size_t n = 1;
+    for (const char *at = typed; *at; at++)
+        n += *at == ',';
+    if (n != 3)
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected three numbers X,Y,Z, found '%s'", option, typed);
+    cli_value_vector(out, typed);
+    return out->bad ? vv_fail_memory(out->n) : VV_OK;
+}
+
+#define WHOLE_MOST 9007199254740992.0 /* 2^53: up to it doubles tell all whole numbers apart */
+
 void cli_value_print(char out[32], double value, double lo, double hi)
 {
     const double span = hi - lo, most = fmax(fabs(lo), fabs(hi));
+    if (value == nearbyint(value) && fabs(value) <= WHOLE_MOST) { /* 3000000000, not 3e+09 */
+        snprintf(out, 32, "%.0f", value == 0 ? 0 : value);
+        return;
+    }
     const int digits = span > 0 ? 6 + (int)fmin(ceil(log10(most / span)), 11) : 17;
     if (digits < 17)
         snprintf(out, 32, "%.*g", digits < 6 ? 6 : digits, value == 0 ? 0 : value);
     else
         vvi_print_number(out, value);
+}
+
+void cli_value_scaled(char out[96], const char *stored, double scale, double offset)
+{
+    char times[32] = "", plus[32] = "";
+    if (scale != 1)
+        snprintf(times, sizeof times, " * %g", scale);
+    if (offset != 0)
+        snprintf(plus, sizeof plus, " %c %g", offset < 0 ? '-' : '+', fabs(offset));
+    snprintf(out, 96, "%.31s%s%s", stored, times, plus);
 }

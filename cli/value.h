@@ -15,6 +15,8 @@ bool cli_value_split_range(char lo[64], char hi[64], const char *typed);
 
 /** "10mm,2cm,0" as the JSON array that the property engine takes; numbers stay numbers. */
 void cli_value_vector(vvi_text *out, const char *typed);
+/** The same of a point or direction of --option: X,Y,Z. Errors: VV_E_ARGUMENT, VV_E_MEMORY. */
+vv_status cli_value_point(vvi_text *out, const char *option, const char *typed);
 
 /**
  * The row that a path of the World leads to, by its classes: "lights.ANY.intensity" needs no light of that name.
@@ -42,6 +44,10 @@ static inline const char *cli_plural(uint64_t n, const char *one, const char *se
     return n == 1 ? one : several;
 }
 
-/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near. */
+/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near.
+ * Whole numbers have all their digits. */
 void cli_value_print(char out[32], double value, double lo, double hi);
+
+/** What makes values of stored numbers, as in "i16 * 0.5 + 3", "stored - 1024". */
+void cli_value_scaled(char out[96], const char *stored, double scale, double offset);
 #endif

@@ -1,4 +1,5 @@
 /* The World that verbs work on: the input's, edited by what the command line says. */
+#include "chain.h"
 #include "edits.h"
 #include "input.h"
 #include "model/merge.h"
@@ -32,7 +33,7 @@ static vv_status add_input(vv_world **world, cli_command *command, const char *w
     if (st == VV_OK && cli_input_contents(command, word) != CLI_INPUT_DATA)
         st = vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a scene, which only the first input can be; name its data");
     if (st == VV_OK)
-        st = vvi_world_merge(world, more, command->job);
+        st = vvi_world_merge(world, more, command->registry);
     vv_object_release(more ? &more->base : NULL);
     return st;
 }
@@ -40,7 +41,10 @@ static vv_status add_input(vv_world **world, cli_command *command, const char *w
 /* ends_out: volumes up to each input. */
 static vv_status read_inputs(vv_world **out, vvi_recipe *recipe_out, cli_command *command, size_t *ends_out)
 {
+    const cli_look *look = cli_command_options(command, &cli_look_class);
     vv_status st = cli_input_world(out, recipe_out, command, command->args.words[0]);
+    if (st == VV_OK && look->apply)
+        st = cli_chain_apply(out, command, look->apply, command->args.words[0]);
     for (size_t i = 0; i < command->args.n_words && st == VV_OK; i++) {
         if (i > 0)
             st = add_input(out, command, command->args.words[i]);

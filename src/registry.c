@@ -49,6 +49,7 @@ static const vv_operation *const operations[] = {
     &vvi_operation_unsharp,
     &vvi_operation_gradient,
     &vvi_operation_laplacian,
+    &vvi_operation_vesselness,
     &vvi_operation_threshold,
     &vvi_operation_components,
     &vvi_operation_fill_holes,
@@ -58,8 +59,11 @@ static const vv_operation *const operations[] = {
     &vvi_operation_diffuse,
     &vvi_operation_denoise,
     &vvi_operation_add_noise,
+    &vvi_operation_bias,
     &vvi_operation_distance,
     &vvi_operation_grow,
+    &vvi_operation_watershed,
+    &vvi_operation_skeleton,
     &vvi_operation_isosurface,
     &vvi_operation_simplify,
     &vvi_operation_smooth,
@@ -84,6 +88,7 @@ static const vv_registry builtin = {
     .operations = operations,
     .renderers = renderers,
     .data_kinds = data_kinds,
+    .made_data = &vvi_made_data_by_runs,
 };
 
 const vv_registry *vv_registry_builtin(void)

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_REGISTRY_H
 #define VVI_REGISTRY_H
+#include "model/made_data.h"
 #include <volvis/sys/registry.h>
 
 extern const vv_format vvi_format_seg_nrrd, vvi_format_nrrd, vvi_format_nifti, vvi_format_npy, vvi_format_npz,
@@ -42,6 +43,7 @@ extern const vv_operation vvi_operation_top_hat;
 extern const vv_operation vvi_operation_unsharp;
 extern const vv_operation vvi_operation_gradient;
 extern const vv_operation vvi_operation_laplacian;
+extern const vv_operation vvi_operation_vesselness;
 extern const vv_operation vvi_operation_threshold;
 extern const vv_operation vvi_operation_components;
 extern const vv_operation vvi_operation_fill_holes;
@@ -51,12 +53,16 @@ extern const vv_operation vvi_operation_bilateral;
 extern const vv_operation vvi_operation_diffuse;
 extern const vv_operation vvi_operation_denoise;
 extern const vv_operation vvi_operation_add_noise;
+extern const vv_operation vvi_operation_bias;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
+extern const vv_operation vvi_operation_watershed;
+extern const vv_operation vvi_operation_skeleton;
 extern const vv_operation vvi_operation_isosurface;
 extern const vv_operation vvi_operation_simplify;
 extern const vv_operation vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,
     vvi_renderer_slice;
 extern const vv_data_kind vvi_data_kind_regular, vvi_data_kind_mesh;
+extern const vvi_made_data vvi_made_data_by_runs;
 #endif

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Makes src/render/common/colormap_knots.h: perceptually uniform colour maps from a few control colours.
+"""Makes src/scene/colormap_knots.h: perceptually uniform colour maps from a few control colours.
 
 Each map is a smooth curve through its control colours in Oklab (Ottosson 2020), run through at constant speed as
 CAM02-UCS measures it (Luo, Cui, Li 2006; sRGB viewing conditions), and stored as equally spaced Oklab knots. Turbo is
 its published formula.
-Usage: tools/colormaps.py > src/render/common/colormap_knots.h
+Usage: tools/colormaps.py > src/scene/colormap_knots.h
 """
 import math
 

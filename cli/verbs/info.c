@@ -17,6 +17,7 @@
 #include "report.h"
 #include "run/stream.h"
 #include "terminal.h"
+#include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
 #include <math.h>
@@ -158,9 +159,10 @@ static void text_placement(cli_command *command, const vv_grid *grid)
 
 static void text_values(cli_command *command, const vv_field_info *info)
 {
+    char scaled[96];
+    cli_value_scaled(scaled, "stored", info->value_scale, info->value_offset);
     if (info->value_scale != 1 || info->value_offset != 0)
-        cli_command_line(command, "values", "stored * %g + %g %s", info->value_scale, info->value_offset,
-                         info->value_unit);
+        cli_command_line(command, "values", "%s %s", scaled, info->value_unit);
     else if (info->value_unit[0])
         cli_command_line(command, "values", "in %s", info->value_unit);
     if (info->n_frames > 1 && info->frame_step > 0)

@@ -13,40 +13,45 @@ typedef struct words {
     size_t n_names;
 } words;
 
+/* Whether a word says what. */
+static bool is_kind(const char *word)
+{
+    return cli_measure_kind(word) || cli_measure_is_stored(word);
+}
+
 /* The first word, or the last, says what, unless a file has that name; the others are files. */
 static vv_status split_words(words *out, const cli_command *command)
 {
     const size_t n = command->args.n_words;
     const char *const first = cli_command_word(command, 0), *const last = cli_command_word(command, n - 1);
-    const size_t from = cli_measure_kind(first) != NULL, end = n - (!from && n > 1 && cli_measure_kind(last));
+    const size_t from = is_kind(first), end = n - (!from && n > 1 && is_kind(last));
+    const char *const what = from ? first : end < n ? last : NULL;
     cli_question *ask = &out->ask;
-    *out = (words){.ask.kind = from ? first : end < n ? last : "summary", .nothing = !from && end == n};
-    if (out->nothing && n > 1 && cli_input_guess(command, first) == CLI_INPUT_SCENE)
-        ask->kind = "stored"; /* names after a scene */
-    const bool stored = strcmp(ask->kind, "stored") == 0, two = strcmp(ask->kind, "distance") == 0;
+    *out = (words){.nothing = !what};
+    /* names after a scene are of what it has stored */
+    const bool stored =
+        what ? cli_measure_is_stored(what) : n > 1 && cli_input_guess(command, first) == CLI_INPUT_SCENE;
+    if (!stored)
+        ask->kind = what ? cli_measure_kind(what) : cli_measure_default_kind();
     for (size_t i = from; i < end; i++) {
         if (i == from || (i == from + 1 && !stored))
             ask->file[i - from] = cli_command_word(command, i);
         else if (stored)
             out->names[out->n_names++] = cli_command_word(command, i);
     }
+    ask->edited = ask->file[0];
     if (!ask->file[0])
         return vv_fail(VV_E_ARGUMENT, "measure %s: of which file? as in 'volvis measure %s %s'", first, first,
                        stored ? "study.vv.json" : "head.nrrd");
     if (stored)
         return VV_OK;
-    if (ask->file[1] && strcmp(ask->kind, "summary") == 0)
+    if (ask->file[1] && out->nothing)
         return cli_measure_fail_kind(first);
-    if (end - from > (two ? 2 : 1))
-        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; omit it", ask->kind,
-                       two ? "one file or two" : "one file", cli_command_word(command, end - 1));
+    const size_t most = cli_measure_most_files(ask->kind);
+    if (end - from > most)
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; omit it", ask->kind->name,
+                       most > 1 ? "one file or two" : "one file", cli_command_word(command, end - 1));
     return VV_OK;
-}
-
-static bool has_figures(const char *kind)
-{
-    return strcmp(kind, "histogram") != 0 && strcmp(kind, "joint") != 0 && strcmp(kind, "profile") != 0 &&
-           strcmp(kind, "labels") != 0;
 }
 
 /* Options that say what is to be measured now. */
@@ -61,19 +66,23 @@ static bool asks(const cli_measure_options *o)
 static vv_status answer(cli_command *command, const cli_question *q)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    cli_result result = {.command = command, .csv = o->csv, .edited = q->file[0]};
-    if (o->csv && has_figures(q->kind))
-        vvi_text_add(&command->text, "quantity,value,error,unit\n");
+    vv_measurement *asked = NULL;
+    vv_answer *answer = NULL;
     for (int i = 0; !o->csv && i < 2 && q->file[i]; i++) {
         vvi_text_add(&command->text, i ? ", " : "");
         vvi_text_add_clean(&command->text, q->file[i]);
     }
     if (!o->csv)
         vvi_text_add(&command->text, "\n");
-    vv_status st = cli_measure_ask(&result, q);
+    vv_status st = cli_measure_ask(&answer, &asked, command, q);
+    if (st == VV_OK) {
+        cli_answer_print(command, answer, o->csv, o->log);
+        st = cli_plot_write(command, answer, q->file[0], o->log);
+    }
     if (st == VV_OK && o->store)
-        st = cli_measure_store(&result, q);
-    cli_result_free(&result);
+        st = cli_measure_store(command, q, asked, answer);
+    vv_answer_release(answer);
+    vv_object_release(asked ? &asked->base : NULL);
     return st;
 }
 
@@ -86,18 +95,16 @@ static vv_status run(cli_command *command)
         return st;
     const char *file = w.ask.file[0];
     if (w.nothing && !asks(o) && cli_measure_has_stored(command, file))
-        w.ask.kind = "stored";
+        w.ask.kind = NULL;
     if ((st = cli_measure_output(command, w.ask.kind)) != VV_OK || (st = cli_measure_check(command, &w.ask)) != VV_OK ||
         (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    vvi_result_string(&command->json, "measured", w.ask.kind);
+    vvi_result_string(&command->json, "measured", w.ask.kind ? w.ask.kind->name : CLI_MEASURE_STORED);
     vvi_result_string(&command->json, "file", file);
     if (command->common->dry_run)
         return cli_measure_plan(command, &w.ask);
-    if (strcmp(w.ask.kind, "stored") == 0)
-        return cli_measure_stored(command, file, w.names, w.n_names);
-    return answer(command, &w.ask);
+    return w.ask.kind ? answer(command, &w.ask) : cli_measure_stored(command, file, w.names, w.n_names);
 }
 
 static const char *const examples[] = {

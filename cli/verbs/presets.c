@@ -27,26 +27,19 @@ static bool is_named(const vv_preset *preset, const char *name)
     return !name || strcmp(preset->name, name) == 0 || (preset->alias && strcmp(preset->alias, name) == 0);
 }
 
-/* Those of a kind, or of all kinds, with a name, or with any. */
-static size_t list(cli_command *command, const char *kind, const char *name)
+/* Those of a kind with a name, or with any, under a title. */
+static size_t list_kind(cli_command *command, const char *kind, const char *title, const char *name)
 {
     const vv_preset *preset;
     size_t n = 0;
     for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
-        if (kind && strcmp(preset->kind, kind) != 0)
+        if (strcmp(preset->kind, kind) != 0 || !is_named(preset, name))
             continue;
-        if (is_named(preset, name)) {
-            describe(command, preset);
-            n++;
-        }
+        if (n++ == 0)
+            vvi_text_printf(&command->text, "%s%s\n", command->text.n ? "\n" : "", title);
+        describe(command, preset);
     }
     return n;
-}
-
-static void list_kind(cli_command *command, const char *title, const char *kind)
-{
-    vvi_text_printf(&command->text, "%s\n", title);
-    list(command, kind, NULL);
 }
 
 static vv_status fail_unknown(const cli_command *command, const char *typed)
@@ -54,27 +47,20 @@ static vv_status fail_unknown(const cli_command *command, const char *typed)
     return cli_choice_fail(VV_E_NOT_FOUND, command->registry, "presets", "there is no preset", typed);
 }
 
-static vv_status run_one(cli_command *command, const char *name)
-{
-    vvi_result_open(&command->json, "presets", '[');
-    const size_t n = list(command, NULL, name);
-    vvi_result_close(&command->json, ']');
-    return n ? VV_OK : fail_unknown(command, name);
-}
-
 static vv_status run(cli_command *command)
 {
-    if (cli_command_word(command, 0))
-        return run_one(command, cli_command_word(command, 0));
+    static const char *const kinds[][2] = {
+        {"transfer", "Transfer functions: opacity and colour by value (render --tf NAME)"},
+        {"proposal", "Transfer functions worked out from the data (render --tf NAME)"},
+        {"colormap", "Colour maps (render --tf NAME, or map:NAME where a transfer function has the name, too)"},
+    };
+    const char *name = cli_command_word(command, 0);
+    size_t n = 0;
     vvi_result_open(&command->json, "presets", '[');
-    list_kind(command, "Transfer functions: opacity and colour by value (render --tf NAME)", "transfer");
-    vvi_text_add(&command->text, "\n");
-    list_kind(command, "Transfer functions worked out from the data (render --tf NAME)", "proposal");
-    vvi_text_add(&command->text, "\n");
-    list_kind(command, "Colour maps (render --tf NAME, or map:NAME where a transfer function has the name, too)",
-              "colormap");
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        n += list_kind(command, kinds[i][0], kinds[i][1], name);
     vvi_result_close(&command->json, ']');
-    return VV_OK;
+    return n ? VV_OK : fail_unknown(command, name);
 }
 
 static const char *const examples[] = {"volvis presets", "volvis presets bone", "volvis presets --json", NULL};

@@ -57,9 +57,10 @@ static vv_status load(cli_rendering *r)
         const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
         const vv_dataset *dataset = cli_input_dataset(r->world, volume);
         if (volume->visible && dataset && vv_dataset_is_mesh(dataset, r->command->job))
-            st = vv_dataset_mesh(&r->meshes[r->n_meshes++], dataset, r->command->job);
+            st = vv_dataset_mesh(&r->meshes[r->n_meshes++], r->world, dataset, r->command->job);
         else if (volume->visible && dataset)
-            st = vv_dataset_field(&r->fields[r->n_fields], dataset, volume->attribute, volume->frame, r->command->job);
+            st = vv_dataset_field(&r->fields[r->n_fields], r->world, dataset, volume->attribute, volume->frame,
+                                  r->command->job);
         r->n_fields += r->fields[r->n_fields] != NULL;
     }
     r->load_s = cli_now_s() - start_s;

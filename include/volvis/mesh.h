@@ -34,6 +34,17 @@ typedef struct vv_mesh_info {
     char value_unit[16];
 } vv_mesh_info;
 
+/**
+ * A mesh of arrays that you have: those of `info`, with its counts and texts, which may all be 0 beside positions,
+ * triangles and their numbers. Normals are made of length 1; unit "" becomes "units"; values may be NaN where there is
+ * none.
+ *
+ * Errors   VV_E_ARGUMENT (a position or normal that is not finite, a triangle of a vertex that there is not, parts that
+ *          do not follow each other or leave out triangles, texts without an end), VV_E_LIMIT (2^32 vertices or
+ *          triangles and more), VV_E_MEMORY
+ * Owns     *out is new and yours; on error it is NULL. Arrays and texts are copied before this returns
+ */
+VV_API vv_status vv_mesh_new(vv_mesh **out, const vv_mesh_info *info, vv_job *job);
 VV_API vv_mesh *vv_mesh_retain(const vv_mesh *mesh);
 VV_API void vv_mesh_release(vv_mesh *mesh); /* NULL is fine */
 VV_API const vv_mesh_info *vv_mesh_get_info(const vv_mesh *mesh);

@@ -173,6 +173,7 @@ typedef struct vv_volume_slices {
     char *colormap;
     int blend;
     double opacity;
+    bool clear_below;
 } vv_volume_slices;
 
 /** What of which dataset is shown, where and how. */
@@ -201,15 +202,16 @@ struct vv_dataset_fields;
 typedef struct vv_dataset {
     vv_object base;
     char *title;
-    char *kind;                       /**< row of the data kind table: "regular", "mesh" */
-    char *path;                       /**< unset: made in memory */
-    char *format;                     /**< unset: by content */
-    char *part;                       /**< which data set of the file, where it holds several */
-    char *raw;                        /**< layout of a headerless file */
-    char *checksum;                   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
-    char *source, *operation;         /**< made by this operation from that dataset; unset: not made here */
-    char *parameters;                 /**< of the operation: the text of a JSON object */
-    char *inputs;                     /**< its other inputs, datasets by operand: the text of a JSON object */
+    char *kind;       /**< row of the data kind table: "regular", "mesh" */
+    char *path;       /**< unset: made of others, or in memory */
+    char *format;     /**< unset: by content */
+    char *part;       /**< which data set of the file, where it holds several */
+    char *raw;        /**< layout of a headerless file */
+    char *checksum;   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
+    char *operation;  /**< without a path: it is worked out by this row of the operation table when it is needed */
+    char *inputs;     /**< what the operation works on, datasets by operand: the text of a JSON object */
+    char *parameters; /**< of the operation: the text of a JSON object */
+    char *source;     /**< the first input, where `inputs` does not name it */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */
 } vv_dataset;
 
@@ -366,6 +368,8 @@ VV_API vv_status vv_model_add(vv_model *model, const char *who, const char *path
 VV_API vv_status vv_model_remove(vv_model *model, const char *who, const char *path);
 /** Attach samples to datasets.<id> (made if it does not exist): frame 0 of one attribute. Retains the field. */
 VV_API vv_status vv_model_attach(vv_model *model, const char *who, const char *id, const vv_field *field);
+/** The same for triangles. What the dataset had in memory is given up. */
+VV_API vv_status vv_model_attach_mesh(vv_model *model, const char *who, const char *id, const vv_mesh *mesh);
 /** Replace the whole World: opening a scene. */
 VV_API vv_status vv_model_replace(vv_model *model, const char *who, vv_world *world);
 
@@ -398,18 +402,29 @@ typedef struct vv_commit {
 typedef void vv_commit_fn(void *user, const vv_commit *commit, const vv_world *world);
 VV_API vv_status vv_model_watch(vv_model *model, vv_commit_fn *fn, void *user);
 
-/* Datasets ------------------------------------------------------------------------------------------------------ */
+/* Datasets ------------------------------------------------------------------------------------------------------
+ * A dataset is a file, or in memory, or *made*: it has an operation and no path, and `world` is where the datasets are
+ * that it is made of. What is asked for is read or worked out then and kept in the runtime's cache, by all that decides
+ * it: path and date of a file; operation, parameters and inputs of what is made. Only the time step that is asked for
+ * is made. Who asks for the same at once waits for the one who works on it.
+ *
+ * world   NULL: of files and of what is in memory
+ * Errors  of what is made, beside those of its operation: VV_E_NOT_FOUND (no such operation, input, parameter),
+ *         VV_E_ARGUMENT (of itself; data that the operation does not take), VV_E_LIMIT (too long a chain, too large);
+ *         the error's place is the path of the property, "datasets.smooth.inputs.volume" */
 
-/** Attribute `name` (NULL: the first) of frame `frame`: loaded on demand and kept in the runtime's cache. */
-VV_API vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char *name, int64_t frame,
-                                  vv_job *job);
-/** The info of the first attribute without its samples. */
-VV_API vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job);
+/** Attribute `name` (NULL: the first) of frame `frame`. */
+VV_API vv_status vv_dataset_field(vv_field **out, const vv_world *world, const vv_dataset *dataset, const char *name,
+                                  int64_t frame, vv_job *job);
+/** The info of the first attribute without its samples: of what is made, as planned. */
+VV_API vv_status vv_dataset_info(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 
-/** Whether a dataset is triangles: its kind says so, or, where that is unset, its format or its file does. */
+/** Whether it is made: worked out by an operation of other datasets. */
+VV_API bool vv_dataset_is_made(const vv_dataset *dataset);
+/** Whether a dataset is triangles: its kind says so, or, where that is unset, its operation, its format or its file. */
 VV_API bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job);
-/** The mesh of such a dataset: read on demand and kept in the runtime's cache. */
-VV_API vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job);
+/** The mesh of such a dataset. */
+VV_API vv_status vv_dataset_mesh(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 
 /* Scenes -------------------------------------------------------------------------------------------------------- */
 
@@ -430,6 +445,8 @@ VV_API vv_status vv_scene_schema(char **json_out, const struct vv_registry *regi
 /** A default World on one dataset: volume, key and fill light, one view that frames it. id from the file name. */
 VV_API vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_options *options, vv_job *job);
 VV_API vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *field, vv_job *job);
+/** The same on a mesh in memory. Both retain their data. VV_E_ARGUMENT: the id is none. */
+VV_API vv_status vv_world_for_mesh(vv_world **out, const char *id, const vv_mesh *mesh, vv_job *job);
 
 VV_END_DECLS
 #endif

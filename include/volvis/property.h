@@ -29,7 +29,9 @@ typedef enum vv_type_kind {
     VV_KIND_OBJECT,  /**< vv_object *, one of `cls`, never NULL */
     VV_KIND_LIST,    /**< vv_collection *, objects of `cls` by position: JSON array, path part is the index */
     VV_KIND_MAP,     /**< vv_collection *, objects of `cls` by id: JSON object, path part is the id */
-    VV_KIND_VARIANTS /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
+    VV_KIND_VARIANTS, /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
+    VV_KIND_MEMBERS /**< char *, owned, NULL when unset: a JSON object, as compact text. What its members are is not the
+                       engine's to judge; the last part of a path may name one */
 } vv_type_kind;
 
 /** What a number measures; decides the units that may be written after it. */
@@ -152,6 +154,19 @@ VV_API vv_object *vv_collection_find(const vv_collection *collection, const char
  * (entries of lists and maps: removes). Objects, lists and maps are replaced as a whole; a map entry that is not there
  * is made. */
 VV_API vv_status vv_path_set(vv_object **root, const char *path, const char *json, const vv_property_context *context);
+/** vv_path_set() of a number, in the units that it has outside: angles in degrees, lengths in context->length_unit. Not
+ * finite: VV_E_ARGUMENT. context as in vv_path_set(); NULL will do where there are no units. */
+VV_API vv_status vv_path_set_number(vv_object **root, const char *path, double value,
+                                    const vv_property_context *context);
+VV_API vv_status vv_path_set_integer(vv_object **root, const char *path, int64_t value,
+                                     const vv_property_context *context);
+VV_API vv_status vv_path_set_bool(vv_object **root, const char *path, bool value, const vv_property_context *context);
+/** Of strings, files, names of an enum, ids, colours ("red"), and quantities with their unit ("1.5mm"). */
+VV_API vv_status vv_path_set_text(vv_object **root, const char *path, const char *value,
+                                  const vv_property_context *context);
+/** Of vectors, colours and lists of numbers; tables row by row. */
+VV_API vv_status vv_path_set_numbers(vv_object **root, const char *path, const double *values, size_t n,
+                                     const vv_property_context *context);
 /** The value as JSON text, yours to free(); unset properties give their default, or null where `automatic` says how
  * it is worked out. Of objects, lists and maps: what is set in them. */
 VV_API vv_status vv_path_get(char **json_out, const vv_object *root, const char *path);

@@ -69,7 +69,7 @@ typedef struct vv_run_input {
 
 /** Where the result of a run goes; all of it borrowed. */
 typedef struct vv_run_output {
-    const char *path;
+    const char *path;                /**< NULL: nothing is written, and what is made is asked for */
     const vv_write_options *options; /**< as of vv_field_write(); what the first file says is added to them. NULL: the
                                         defaults */
     const vv_mesh_write_options *mesh_options; /**< the same of vv_mesh_write() */
@@ -114,6 +114,9 @@ VV_API const vv_run_about *vv_run_get_about(const vv_run *run);
 VV_API vv_status vv_run_make(vv_run *run);
 /** The mesh that was made; NULL: there is none. Borrowed. */
 VV_API const vv_mesh *vv_run_mesh(const vv_run *run);
+/** Time step `index` of the samples that were made, of a streamed run in parts as they are asked for, while the run
+ * lives; NULL: there is none. Borrowed. */
+VV_API const vv_field *vv_run_field(const vv_run *run, int64_t index);
 /** Run the steps, unless they have run, and write the result. */
 VV_API vv_status vv_run_write(vv_run *run);
 VV_API void vv_run_release(vv_run *run); /* NULL is fine */

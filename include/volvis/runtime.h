@@ -66,6 +66,10 @@ typedef struct vv_runtime_options {
     const char *import_program; /**< its path; NULL: volvis-import beside the running program, or as installed */
     bool contain; /**< default true: formats whose libraries die of damaged files (vv_format.contained) are read by the
                        import program where there is one; false: in this process, unless `safe` */
+    const struct vv_registry *more; /**< rows of your own, behind those of `registry`: tables that end with NULL, or are
+                                       NULL. The rows outlive the runtime; tables are copied. A name that is there, and
+                                       a row for another version of its table, are errors of vv_runtime_new(). The
+                                       import program does not know them: they are no formats for `safe`. NULL: none */
 } vv_runtime_options;
 
 VV_API void vv_runtime_options_init(vv_runtime_options *options, size_t size);

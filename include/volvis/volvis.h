@@ -11,9 +11,11 @@
 #include <volvis/measure_distance.h>
 #include <volvis/measure_mesh.h>
 #include <volvis/measure_path.h>
+#include <volvis/measuring.h>
 #include <volvis/mesh.h>
 #include <volvis/mesh_file.h>
 #include <volvis/model.h>
+#include <volvis/operation.h>
 #include <volvis/pick.h>
 #include <volvis/property.h>
 #include <volvis/render.h>

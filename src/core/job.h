@@ -5,17 +5,9 @@
 #define VVI_CORE_JOB_H
 #include "core/status.h"
 #include <volvis/runtime.h>
+#include <volvis/sys/work.h>
 
-/** Items of a parallel loop take 0.1 to 10 ms. start / item / finish give each worker its own state: no locks. */
-typedef struct vvi_work {
-    const char *stage; /**< of the progress; NULL: no progress is reported */
-    vv_status (*start)(void **scratch_out, void *shared, int worker); /**< NULL: scratch is NULL */
-    vv_status (*item)(void *scratch, void *shared, size_t index);
-    void (*finish)(void *scratch, void *shared);
-    uint64_t n_before, n_after; /**< items of other loops that make one stage with this one: only for the progress */
-    bool yields; /**< helpers may leave between items for a loop of an urgent job and begin anew: start() comes cheap,
-                      and nothing is summed by worker */
-} vvi_work;
+typedef vv_work vvi_work; /* items of a parallel loop */
 
 /** Runs items 0 .. n-1, this thread included, in any order and on any worker. The first failure by item number becomes
  * this thread's error; cancel gives VV_E_CANCELLED. Reductions belong per item, summed in item order by the caller.

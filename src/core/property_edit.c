@@ -100,7 +100,8 @@ static vv_status set_property(vv_object **root, const vvi_trail *trail, const js
     vv_status st = vvi_object_copy(&fresh, last->owner);
     if (st != VV_OK)
         return st;
-    st = vvi_property_read(fresh, last->property, json, reading, place);
+    st = last->member ? vvi_members_read_one(fresh, last->property, last->member, json, place)
+                      : vvi_property_read(fresh, last->property, json, reading, place);
     if (st != VV_OK) {
         vv_object_release(fresh);
         return st;
@@ -139,7 +140,8 @@ vv_status vv_path_set(vv_object **root, const char *path, const char *text, cons
                               "a range is not a list; write the numbers with commas, as in 10,20, "
                               "found '%.60s'",
                               text);
-    st = vvi_json_parse_typed(&json, text, object ? VV_KIND_OBJECT : last_hop(&trail)->property->kind, &place);
+    const vv_type_kind kind = object || last_hop(&trail)->member ? VV_KIND_OBJECT : last_hop(&trail)->property->kind;
+    st = vvi_json_parse_typed(&json, text, kind, &place);
     if (st == VV_OK && json_is_null(json))
         st = vv_path_unset(root, path, context);
     else if (st == VV_OK)
@@ -317,6 +319,13 @@ static vv_status copy_value(vv_object **root, const vvi_trail *to, const vv_obje
     vv_status st = vvi_object_copy(&fresh, last_hop(to)->owner);
     if (st != VV_OK)
         return st;
+    if (last_hop(to)->member) {
+        st = vvi_members_share_one(fresh, source, p, last_hop(to)->member);
+        if (st == VV_OK)
+            return swap_root(root, to, to->n - 1, fresh);
+        vv_object_release(fresh);
+        return st;
+    }
     vvi_value_drop(fresh, p);
     st = vvi_value_share(fresh, source, p);
     if (st == VV_OK)

@@ -66,7 +66,7 @@ static inline const void *vvi_slot_const(const vv_object *object, const vv_prope
 }
 static inline bool vvi_kind_is_text(vv_type_kind kind)
 {
-    return kind == VV_KIND_STRING || kind == VV_KIND_PATH || kind == VV_KIND_REF;
+    return kind == VV_KIND_STRING || kind == VV_KIND_PATH || kind == VV_KIND_REF || kind == VV_KIND_MEMBERS;
 }
 static inline bool vvi_kind_is_collection(vv_type_kind kind)
 {
@@ -123,6 +123,17 @@ const char *vvi_found(char out[64], const json_t *json);
 /** Colours (property_color.c). */
 vv_status vvi_color_read(vv_color *out, const json_t *json, const vvi_place *place);
 void vvi_color_print(vvi_text *text, const vv_color *color);
+
+/* Free JSON objects (property_members.c): of VV_KIND_MEMBERS. */
+
+/** For json_decref(); NULL without memory. Of an unset one it is empty. */
+json_t *vvi_members_tree(const vv_object *object, const vv_property *property);
+vv_status vvi_members_read(vv_object *object, const vv_property *property, const json_t *json, const vvi_place *place);
+/** One member; value NULL or null: it goes. */
+vv_status vvi_members_read_one(vv_object *object, const vv_property *property, const char *name, const json_t *value,
+                               const vvi_place *place);
+vv_status vvi_members_share_one(vv_object *object, const vv_object *from, const vv_property *property,
+                                const char *name);
 
 /* Objects and collections (property.c, property_collection.c) ------------------------------------------------ */
 
@@ -190,6 +201,9 @@ void vvi_json_tree(vvi_json *json, const json_t *tree);
 void vvi_json_value(vvi_json *json, const vv_object *object, const vv_property *property);
 /** Members of an object that are set, without the brackets. */
 void vvi_json_members(vvi_json *json, const vv_object *object);
+/** A free JSON object, and one member of it: null where it is not there. */
+void vvi_members_print(vvi_json *json, const vv_object *object, const vv_property *property);
+void vvi_members_print_one(vvi_json *json, const vv_object *object, const vv_property *property, const char *name);
 
 /* Paths (property_path.c, property_edit.c) ------------------------------------------------------------------- */
 
@@ -202,6 +216,7 @@ typedef struct vvi_hop {
     size_t index;             /**< of the entry; past the end when it is not there */
     vv_object *object;        /**< what the step leads to; NULL for plain values, collections and absent entries */
     size_t start;             /**< where the owner's own path ends in the whole path */
+    const char *member;       /**< of a free JSON object: its name, the rest of the path; NULL: the whole is meant */
 } vvi_hop;
 
 enum { VVI_HOPS_MOST = 16 };

@@ -110,7 +110,7 @@ static bool looks_like_json(const char *text)
 /* Text for a text property is taken as it is, unless it is JSON text or null. */
 static bool accept(const json_t *json, vv_type_kind kind)
 {
-    return !vvi_kind_is_text(kind) || json_is_string(json) || json_is_null(json);
+    return !vvi_kind_is_text(kind) || kind == VV_KIND_MEMBERS || json_is_string(json) || json_is_null(json);
 }
 
 vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind, const vvi_place *place)

@@ -1,7 +1,7 @@
 /* Numbers with quantities. Angles are degrees in text and radians in structs. */
+#include "core/label_text.h"
 #include "core/property_impl.h"
 #include "core/units.h"
-#include "grid/label_id.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>

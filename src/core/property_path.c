@@ -77,6 +77,18 @@ static vv_status take_entry(walk *w, vvi_hop *hop)
     return vvi_fail_unknown_entry(&place, collection, w->part);
 }
 
+/* The last part: members are values. */
+static vv_status take_member(walk *w, vvi_hop *hop)
+{
+    char shown[256];
+    hop->member = w->rest;
+    const vv_status st = take_part(w);
+    const vvi_place place = place_here(w, shown, sizeof shown);
+    return st == VV_OK && *w->rest
+               ? vvi_fail_place(&place, VV_E_ARGUMENT, "'%s' is a plain value: it has no properties", w->part)
+               : st;
+}
+
 static bool find_variant(vvi_hop *hop, const char *name)
 {
     for (const vv_property *p = hop->owner->cls->properties; p->name; p++) {
@@ -112,6 +124,8 @@ static vv_status take_hop(walk *w, vvi_hop *hop)
         hop->object = vvi_object_of(hop->owner, hop->property);
     else if (vvi_kind_is_collection(hop->property->kind))
         return more(w) ? take_entry(w, hop) : VV_OK;
+    else if (hop->property->kind == VV_KIND_MEMBERS)
+        return more(w) ? take_member(w, hop) : VV_OK;
     else if (*w->rest)
         return vvi_fail_place(&place, VV_E_ARGUMENT, "'%s' is a plain value: it has no properties", w->part);
     return VV_OK;
@@ -192,7 +206,9 @@ vv_status vv_path_get(char **json_out, const vv_object *root, const char *path)
         st = object_at(&object, &trail, root);
         return st == VV_OK ? vv_object_to_json(json_out, object, 0) : st;
     }
-    if (last->property->automatic && !vvi_property_is_set(last->owner, last->property))
+    if (last->member)
+        vvi_members_print_one(&json, last->owner, last->property, last->member);
+    else if (last->property->automatic && !vvi_property_is_set(last->owner, last->property))
         vvi_text_add(&json.text, "null");
     else
         vvi_json_value(&json, last->owner, last->property);

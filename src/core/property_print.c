@@ -184,6 +184,9 @@ void vvi_json_value(vvi_json *json, const vv_object *object, const vv_property *
     case VV_KIND_PATH:
         print_path(json, *(char *const *)slot);
         break;
+    case VV_KIND_MEMBERS:
+        vvi_members_print(json, object, p);
+        break;
     case VV_KIND_VEC3:
         print_vec3(json, slot, p->quantity);
         break;

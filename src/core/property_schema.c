@@ -235,6 +235,9 @@ static void value_schema(schema *s, const vv_property *p)
     case VV_KIND_MAP:
         map_schema(s, p);
         break;
+    case VV_KIND_MEMBERS:
+        member_string(s, "type", "object");
+        break;
     default:
         text_schema(s, p);
         break;

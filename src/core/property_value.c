@@ -358,6 +358,8 @@ vv_status vvi_value_read(vv_object *object, const vv_property *p, const json_t *
         return vvi_color_read(slot, json, place);
     case VV_KIND_NUMBERS:
         return read_numbers(slot, p, json, reading, place);
+    case VV_KIND_MEMBERS:
+        return vvi_members_read(object, p, json, place);
     default:
         return read_string(object, p, json, reading, place);
     }

@@ -1,6 +1,6 @@
 #include "core/result.h"
+#include "core/label_text.h"
 #include "core/units.h"
-#include "grid/label_id.h"
 #include <inttypes.h>
 #include <math.h>
 

@@ -92,7 +92,15 @@ vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options)
         free(runtime);
         return vv_fail_memory(strlen(known.import_program));
     }
+    runtime->registry = known.registry ? known.registry : vv_registry_builtin();
+    if (known.more && (st = vvi_registry_join(&runtime->joined, runtime->registry, known.more)) != VV_OK) {
+        free(runtime->import_program);
+        free(runtime);
+        return st;
+    }
+    runtime->registry = runtime->joined ? runtime->joined : runtime->registry;
     if ((st = init_parts(runtime, &known)) != VV_OK) {
+        free(runtime->joined);
         free(runtime->import_program);
         free(runtime);
         return st;
@@ -101,7 +109,6 @@ vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options)
     atomic_init(&runtime->holds, 1);
     runtime->threads = known.threads ? known.threads : default_threads();
     runtime->cpu = cpu;
-    runtime->registry = known.registry ? known.registry : vv_registry_builtin();
     runtime->allow_outside = known.allow_outside;
     runtime->safe = known.safe;
     runtime->contain = known.contain;
@@ -142,6 +149,7 @@ void vvi_runtime_unhold(vv_runtime *runtime)
     vvi_places_finish(&runtime->places);
     vvi_cache_finish(&runtime->cache);
     pthread_mutex_destroy(&runtime->log.lock);
+    free(runtime->joined);
     free(runtime->import_program);
     free(runtime);
 }

@@ -52,6 +52,7 @@ struct vv_runtime {
     int threads;
     uint32_t cpu; /**< VVI_CPU_* bits in use */
     const struct vv_registry *registry;
+    struct vv_registry *joined; /**< that one, where it was made of two; else NULL */
     bool allow_outside;
     bool safe, contain;
     char *import_program; /**< NULL: the usual one */
@@ -104,6 +105,10 @@ struct vv_job {
     double stage_start_s, next_report_s;
     uint64_t done;
 };
+
+/** The tables of `base` with the rows of `more` behind theirs, of which any table may be NULL; free() gives it back.
+ * VV_E_ARGUMENT (a name that is there), VV_E_UNSUPPORTED (a row for another version of its table), VV_E_MEMORY. */
+vv_status vvi_registry_join(struct vv_registry **out, const struct vv_registry *base, const struct vv_registry *more);
 
 void vvi_runtime_hold(vv_runtime *runtime);
 void vvi_runtime_unhold(vv_runtime *runtime);

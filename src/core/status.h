@@ -1,19 +1,11 @@
 /** @file
- * Making failures. vv_fail is the only way to make a failing status, so none is without text.
+ * Failures inside the library, beside the making of them (volvis/sys/fail.h).
  */
 #ifndef VVI_CORE_STATUS_H
 #define VVI_CORE_STATUS_H
 #include <stdarg.h>
 #include <volvis/status.h>
-
-/** Sets the thread's error and returns `status`. The text is one sentence without a full stop or line end. */
-vv_status vv_fail(vv_status status, const char *format, ...) VV_PRINTF(2, 3);
-/** The same with the file and the place inside it (either may be NULL); the text becomes "file:where: text". */
-vv_status vv_fail_at(vv_status status, const char *file, const char *where, const char *format, ...) VV_PRINTF(4, 5);
-/** Adds what only the caller knows in front of the thread's text: "volume 'head': ...". Returns `status`. */
-vv_status vv_fail_in(vv_status status, const char *format, ...) VV_PRINTF(2, 3);
-/** "needs N bytes; ..." for a failed allocation of the system: VV_E_MEMORY, or the status of a refused vvi_alloc. */
-vv_status vv_fail_memory(size_t bytes);
+#include <volvis/sys/fail.h>
 
 #if defined(__clang_analyzer__) && !defined(VVI_MAKES_FAILURES)
 /* The analyzer sees no further than a declaration: this tells it that making a failure never gives VV_OK. */

@@ -112,7 +112,9 @@ vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity
     while (*name == ' ')
         name++;
     if (strchr(name, ','))
-        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is a list; expected one value, %s", place, text, q->noun);
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s: '%s' is a list; expected one value, %s; decimals follow a point, not a comma", place, text,
+                       q->noun);
     if (*name) {
         const vv_status st = unit_factor(&factor, name, text, quantity, context, place);
         if (st != VV_OK)

@@ -1,11 +1,14 @@
-/* Diffusion that stops at edges (Perona & Malik 1990), by explicit steps: what flows between two neighbours is their
+/* Diffusion by explicit steps, that stops at edges (Perona & Malik 1990): what flows between two neighbours is their
  * difference times a conductance that sinks as the difference grows. Steps are so short that no value leaves the range
- * of its neighbours (each keeps a share of itself that is not negative). */
+ * of its neighbours (each keeps a share of itself that is not negative). Diffusion along structures is in coherence.c.
+ */
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "filter/coherence.h"
 #include "filter/noise.h"
 #include "filter/reals.h"
+#include "filter/smoothed.h"
 #include "filter/smoothing_kernel.h"
 #include "filter/window.h"
 #include "registry.h"
@@ -14,34 +17,54 @@
 #include <string.h>
 
 enum { SLICES = 8, ITERATIONS_MOST = 10000 };
-#define NOISES 3.0 /* the edge by itself, in standard deviations of the noise */
+#define NOISES 3.0           /* the edge by itself, in standard deviations of the noise */
+#define COHERENCE_NOISES 0.2 /* as much is left of it in smoothed differences, and more */
 
 typedef struct diffuse_params {
     vv_object object;
+    int method;
     int64_t iterations;
     double edge, step;
     int conductance;
+    double sigma, rho, alpha;
 } diffuse_params;
 
-enum { ROW_ITERATIONS, ROW_EDGE, ROW_STEP, ROW_CONDUCTANCE };
+enum { ROW_METHOD, ROW_ITERATIONS, ROW_EDGE, ROW_STEP, ROW_CONDUCTANCE, ROW_SIGMA, ROW_RHO, ROW_ALPHA };
+enum { PERONA_MALIK, COHERENCE };
+
+static const char *const method_names[] = {"perona-malik", "coherence", NULL};
 
 static const char *const conductance_names[] = {"exponential", "rational", NULL};
 
 static const vv_property properties[] = {
+    [ROW_METHOD] = {VV_PROP(diffuse_params, method), .kind = VV_KIND_ENUM, .names = method_names,
+                    .doc = "stop at edges; or flow along structures such as fibres, vessels and stripes, which closes "
+                           "gaps in them (Weickert)"},
     [ROW_ITERATIONS] = {VV_PROP(diffuse_params, iterations), .kind = VV_KIND_I64, .def = 10, .limited = true, .min = 0,
                         .max = ITERATIONS_MOST, .doc = "number of steps; more of them smooth farther"},
     [ROW_EDGE] = {VV_PROP(diffuse_params, edge), .kind = VV_KIND_F64, .unit = "value", .limited = true, .min = 0,
-                  .max = 1e300, .automatic = "three times the noise, which is estimated",
+                  .max = 1e300, .automatic = "three times the noise, which is estimated; for coherence a fifth of it",
                   .doc =
                       "difference of values over a voxel (the smallest spacing) above which it is an edge, and stays; "
-                      "0 changes nothing"},
+                      "0 changes nothing; for coherence, above which it is a structure that is followed"},
     [ROW_STEP] = {VV_PROP(diffuse_params, step), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1,
                   .automatic = "half of the longest stable one, 1/12 for cubic voxels",
                   .doc = "time of a step, in squares of the smallest spacing; longer ones than 1 / (2 sum (smallest / "
                          "spacing)^2), 1/6 for cubic voxels, are not stable and refused"},
     [ROW_CONDUCTANCE] = {VV_PROP(diffuse_params, conductance), .kind = VV_KIND_ENUM, .names = conductance_names,
+                         .when = "method=perona-malik",
                          .doc = "of a difference d where e is the edge: exp(-(d/e)^2), which keeps strong edges, or "
                                 "1 / (1 + (d/e)^2), which keeps wide areas"},
+    [ROW_SIGMA] = {VV_PROP(diffuse_params, sigma), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true,
+                   .min = 0, .max = 1e12, .automatic = "the smallest spacing", .when = "method=coherence",
+                   .doc = "how far values are smoothed before their slopes are looked at, a standard deviation: 0.5mm, "
+                          "1vox"},
+    [ROW_RHO] = {VV_PROP(diffuse_params, rho), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 0,
+                 .max = 1e12, .automatic = "three times sigma", .when = "method=coherence",
+                 .doc = "how far slopes are compared, to know which way a structure goes, a standard deviation"},
+    [ROW_ALPHA] = {VV_PROP(diffuse_params, alpha), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1,
+                   .def = 0.001, .when = "method=coherence",
+                   .doc = "how much flows across structures, and where there are none; along them it is up to 1"},
     {0},
 };
 
@@ -67,6 +90,8 @@ static vv_status step_of(double *step, double ratio[3], const vv_field_info *inf
         if (info->grid.dims[a] > 1)
             sum += 1 / (ratio[a] * ratio[a]);
     }
+    if (((const diffuse_params *)params)->method == COHERENCE)
+        sum = vvi_coherence_rate(&info->grid);
     const double longest = sum > 0 ? 0.5 / sum : 1;
     *step = is_set(params, ROW_STEP) ? ((const diffuse_params *)params)->step : 0.5 * longest;
     if (*step > longest * (1 + 1e-9))
@@ -77,6 +102,22 @@ static vv_status step_of(double *step, double ratio[3], const vv_field_info *inf
     return VV_OK;
 }
 
+/* Where it is asked for: all but the edge. */
+static vv_status find_coherence(vvi_coherence *out, const vv_field_info *info, const vv_object *params)
+{
+    const diffuse_params *p = (const diffuse_params *)params;
+    double ratio[3];
+    *out = (vvi_coherence){.iterations = p->iterations, .alpha = p->alpha};
+    if (p->method != COHERENCE)
+        return VV_OK;
+    out->sigma = is_set(params, ROW_SIGMA) ? p->sigma : vv_grid_voxel(&info->grid);
+    out->rho = is_set(params, ROW_RHO) ? p->rho : 3 * out->sigma;
+    vv_status st = step_of(&out->step, ratio, info, params);
+    if (st == VV_OK)
+        st = vvi_smoothed_check(&info->grid, out->sigma, "diffuse");
+    return st == VV_OK ? vvi_smoothed_check(&info->grid, out->rho, "diffuse: rho") : st;
+}
+
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     (void)n_inputs;
@@ -84,7 +125,9 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     *out = inputs[0];
     if (inputs[0].meaning == VV_MEANING_LABEL)
         return vv_fail(VV_E_UNSUPPORTED, "diffuse: labels are names, not amounts, and do not mix");
-    return step_of(&step, ratio, &inputs[0], params);
+    vvi_coherence c;
+    const vv_status st = step_of(&step, ratio, &inputs[0], params);
+    return st == VV_OK ? find_coherence(&c, &inputs[0], params) : st;
 }
 
 /* A slab of one component on its way. */
@@ -242,13 +285,23 @@ static vv_status diffuse_slab(shared *s, int64_t iterations)
     return st == VV_OK ? loop(s, store, (size_t)s->box.n[2]) : st;
 }
 
-/* In stored numbers; an edge of nothing lets nothing through. */
+/* In stored numbers. */
+static vv_status edge_of(double *edge, const vv_field *in, int component, const vv_object *params, vv_job *job)
+{
+    const diffuse_params *p = (const diffuse_params *)params;
+    *edge = p->edge / fabs(vv_field_get_info(in)->value_scale);
+    if (is_set(params, ROW_EDGE))
+        return VV_OK;
+    const vv_status st = vvi_noise(edge, in, component, job);
+    *edge *= p->method == COHERENCE ? COHERENCE_NOISES : NOISES;
+    return st;
+}
+
+/* An edge of nothing lets nothing through. */
 static vv_status find_edge(shared *s, const vv_field *in, const vv_object *params, const double ratio[3], double step)
 {
-    double edge = ((const diffuse_params *)params)->edge / fabs(s->info->value_scale);
-    vv_status st = VV_OK;
-    if (!is_set(params, ROW_EDGE) && (st = vvi_noise(&edge, in, (int)s->component, s->job)) == VV_OK)
-        edge *= NOISES;
+    double edge = 0;
+    const vv_status st = edge_of(&edge, in, (int)s->component, params, s->job);
     for (int a = 0; a < 3; a++) {
         const double inverse = (s->rational ? 1 : sqrt(1 / M_LN2)) / (edge * ratio[a]);
         const bool none = !(inverse < (s->wide ? 1e300 : 1e37));
@@ -322,6 +375,23 @@ static uint64_t items_of(const shared *s, int64_t iterations)
     return (uint64_t)s->info->components * (2 * n + (uint64_t)iterations * ((n + SLICES - 1) / SLICES));
 }
 
+/* Tensors are smoothed over and over: each sample depends on those far away, and all are needed at once. */
+static vv_status follow(shared *s, const vv_field *in, const vv_object *params)
+{
+    const vv_box all = vv_field_box(in);
+    vvi_coherence c;
+    vv_status st = find_coherence(&c, s->info, params);
+    if (st == VV_OK && memcmp(&all, &s->whole, sizeof all) != 0)
+        return vv_fail(VV_E_LIMIT, "diffuse: coherence needs all samples in memory at once: raise the limit with "
+                                   "--memory, or crop the volume");
+    if (st == VV_OK)
+        st = vvi_coherence_plan(s->info, s->job);
+    for (int component = 0; component < s->info->components && st == VV_OK; component++)
+        if ((st = edge_of(&c.edge, in, component, params, s->job)) == VV_OK)
+            st = vvi_coherence_run(s->out, in, component, &c, s->job);
+    return st;
+}
+
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
 {
@@ -342,7 +412,8 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     s.wide = vvi_reals_wide(info.type);
     s.out = data;
     s.items_all = items_of(&s, p->iterations);
-    if ((st = diffuse(&s, inputs[0], params)) == VV_OK)
+    st = p->method == COHERENCE ? follow(&s, inputs[0], params) : diffuse(&s, inputs[0], params);
+    if (st == VV_OK)
         *out = field;
     else
         vv_field_release(field);
@@ -353,8 +424,8 @@ const vv_operation vvi_operation_diffuse = {
     .api = VV_OPERATION_API,
     .name = "diffuse",
     .component = "filter",
-    .doc = "smooth and keep edges by diffusion that stops at them (Perona & Malik); nothing flows through the border; "
-           "each channel separately",
+    .doc = "smooth and keep edges by diffusion that stops at them (Perona & Malik), or that flows along structures "
+           "(Weickert); nothing flows through the border; each channel separately",
     .example = "volvis diffuse head.nrrd -o clean.nrrd --iterations 20 --edge 15",
     .params = &diffuse_class,
     .inputs = VV_ONE_VOLUME,

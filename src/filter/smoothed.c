@@ -73,6 +73,8 @@ vv_status vvi_smoothed(vv_field **out, const vv_field *in, const vv_box *box, do
     *out = NULL;
     for (int a = 0; a < 3; a++)
         voxels[a] = d[a] > 1 ? sigma / vv_grid_spacing(grid, a) : 0;
+    if (vv_type_is_float(vv_field_get_info(in)->type) && vv_field_get_info(in)->meaning != VV_MEANING_LABEL)
+        return gaussian(out, in, box, voxels, job);
     const int64_t reach = (int64_t)floor(CUT * voxels[2] + 0.5);
     vv_box needed = {{0, 0, box->lo[2] > reach ? box->lo[2] - reach : 0}, {d[0], d[1], 0}};
     needed.n[2] = (end < d[2] - reach ? end + reach : d[2]) - needed.lo[2];

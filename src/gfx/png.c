@@ -1,6 +1,6 @@
 #include "gfx/png.h"
 #include "core/memory.h"
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 #include <png.h>
 
 static void base64(vvi_text *out, const uint8_t *data, size_t n)

@@ -8,17 +8,8 @@
 #include "grid/field.h"
 #include "grid/slabs.h"
 
-enum { VVI_MAKING_MORE = 7 };
-
-/** One box of a field that is made of another one, or of several. The loop's own data begin with it or hold it. */
-typedef struct vvi_making {
-    const vv_field *in;
-    const vv_field *more[VVI_MAKING_MORE]; /**< the same box is needed of these; NULL: none */
-    vvi_slabs slabs;                       /**< the items of the loop */
-    vv_brick brick; /**< all that is needed of `in`, asked for once: what is streamed is then read in order */
-    vv_brick more_bricks[VVI_MAKING_MORE];
-    char *out; /**< the samples of the box, packed, x fastest */
-} vvi_making;
+enum { VVI_MAKING_MORE = VV_MAKING_MORE };
+typedef vv_making vvi_making;
 
 /** Set bricks and out, run work's items 0 to slabs.n - 1 with `user`, and make a field of what they wrote. `info` is
  * that of the whole result, of which `box` is made; `needed` is a box of the inputs. Fails when one turns out

@@ -35,6 +35,8 @@ void vvi_mesh_turn(vv_mesh *mesh);
 void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit);
 /** Which of the arrays that may lack it has. */
 unsigned vvi_mesh_with(const vv_mesh *mesh);
+/** Whether these are arrays of a mesh, as vv_mesh_new() wants them: VV_E_ARGUMENT says what is wrong. */
+vv_status vvi_mesh_check(const vv_mesh_info *info);
 /** Bytes that its arrays take. */
 uint64_t vvi_mesh_bytes(const vv_mesh *mesh);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().

@@ -4,14 +4,9 @@
  */
 #ifndef VVI_GRID_SLABS_H
 #define VVI_GRID_SLABS_H
-#include <volvis/vec.h>
+#include <volvis/sys/making.h>
 
-typedef struct vvi_slabs {
-    vv_box box;
-    int64_t step[3];  /**< samples of an item along x, y, z (fewer in the last of a row of items) */
-    int64_t items[3]; /**< how many items along x, y, z */
-    size_t n;         /**< how many in all; 0 for an empty box */
-} vvi_slabs;
+typedef vv_slabs vvi_slabs;
 
 /** `most` is how many samples an item should hold at most. Does not depend on the number of threads. */
 vvi_slabs vvi_slabs_of(const vv_box *box, int64_t most);

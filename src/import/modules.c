@@ -3,8 +3,8 @@
 #include "config.h"
 #include "io/coding.h"
 #include "io/format.h"
-#include "io/formats/dicom_gdcm.h"
-#include "io/formats/steps.h"
+#include "io/formats/dicom/dicom_gdcm.h"
+#include "io/formats/steps/steps.h"
 #include "lock.h"
 #include "registry.h"
 #include <string.h>

@@ -2,8 +2,10 @@
 #include "core/job.h"
 #include "core/status.h"
 #include "grid/mesh.h"
+#include "image/image_layer.h"
 #include "io/file_stream.h"
 #include "io/import.h"
+#include "io/import_image.h"
 #include "io/import_mesh.h"
 #include "io/import_wire.h"
 #include "io/mesh_file.h"
@@ -31,8 +33,9 @@ typedef struct server {
     vv_runtime *runtime;
     vv_job *job;
     vv_file *file;
-    vv_mesh *mesh; /* or this */
-    char *bytes;   /* of the request */
+    vv_mesh *mesh;   /* or this */
+    vv_image *image; /* or this */
+    char *bytes;     /* of the request */
     vvi_wire_in in;
     int descriptor; /* that came with it; -1: none */
 } server;
@@ -312,6 +315,25 @@ static vv_status read_texts(server *s, const vv_registry *registry)
     return VV_OK;
 }
 
+/* Pixels are read at once, as a mesh is. */
+static vv_status open_image(server *s, const vv_registry *registry)
+{
+    const char *path = NULL;
+    vvi_text body = {0};
+    if (take_path(&path, s) != VV_OK)
+        return vv_error_last()->status;
+    vv_status st = start_runtime(s, registry, path, NULL);
+    if (st == VV_OK)
+        st = vv_image_read(&s->image, NULL, NULL, path, s->job);
+    if (st != VV_OK)
+        return st;
+    vvi_wire_put_number(&body, s->image->width);
+    vvi_wire_put_number(&body, s->image->height);
+    vvi_wire_put_number(&body, vv_image_layers(s->image));
+    send_message(s, VVI_WIRE_OPENED_IMAGE, &body);
+    return VV_OK;
+}
+
 /* Reading --------------------------------------------------------------------------------------------------------- */
 
 /* Memory that both have, as large as the samples and the guard behind them. */
@@ -449,10 +471,31 @@ static vv_status copy_mesh(server *s)
     return fits ? VV_OK : vv_fail(VV_E_INTERNAL, "the mesh is larger than the room for it");
 }
 
-static void answer_read_mesh(server *s)
+static vv_status copy_image(server *s)
+{
+    room to;
+    const vv_image *image = s->image;
+    if (s->descriptor < 0 || !image)
+        return vv_fail(VV_E_INTERNAL, "the import program was asked what it does not understand");
+    const vv_status st = map_room(&to, s->descriptor);
+    if (st != VV_OK)
+        return st;
+    const size_t n = (size_t)image->width * (size_t)image->height;
+    const vvi_image_room r = vvi_image_room_of(image->width, image->height, vv_image_layers(image));
+    const bool fits = r.end <= to.n;
+    if (fits)
+        put(&to, r.rgba, image->rgba, 4 * n * sizeof *image->rgba);
+    for (size_t i = 0; fits && i < VV_LAYER_COUNT; i++)
+        put(&to, r.layer[i], vvi_image_layer(image, i), n * vvi_layer_nth(i)->channels * sizeof(float));
+    munmap(to.at, to.n);
+    return fits ? VV_OK : vv_fail(VV_E_INTERNAL, "the image is larger than the room for it");
+}
+
+/* Of what was read when it was opened. */
+static void answer_copy(server *s, vv_status (*copy)(server *s))
 {
     vvi_text body = {0};
-    const vv_status st = copy_mesh(s);
+    const vv_status st = copy(s);
     if (s->descriptor >= 0)
         close(s->descriptor);
     if (st == VV_OK)
@@ -480,7 +523,12 @@ int import_serve(int socket, const vv_registry *registry)
             if (open_mesh(&s, registry) != VV_OK)
                 send_failure(&s);
         } else if (kind == VVI_WIRE_READ_MESH) {
-            answer_read_mesh(&s);
+            answer_copy(&s, copy_mesh);
+        } else if (kind == VVI_WIRE_OPEN_IMAGE && !s.runtime) {
+            if (open_image(&s, registry) != VV_OK)
+                send_failure(&s);
+        } else if (kind == VVI_WIRE_READ_IMAGE) {
+            answer_copy(&s, copy_image);
         } else if (kind == VVI_WIRE_READ_TEXTS && !s.runtime) {
             if (read_texts(&s, registry) != VV_OK)
                 send_failure(&s);

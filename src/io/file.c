@@ -1,14 +1,16 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/places.h"
+#include "core/text.h"
 #include "grid/fill_value.h"
 #include "grid/true_values.h"
+#include "io/data_file.h"
 #include "io/file_beside.h"
 #include "io/file_leaving.h"
 #include "io/file_stream.h"
 #include "io/folder.h"
 #include "io/format.h"
-#include "io/formats/steps.h"
+#include "io/formats/steps/steps.h"
 #include "io/import.h"
 #include "io/import_process.h"
 #include "io/notes.h"
@@ -116,6 +118,14 @@ static const char *lack_of(const vv_file *file)
     return strncmp(sentence, name, n) == 0 && strncmp(sentence + n, ": ", 2) == 0 ? sentence + n + 2 : sentence;
 }
 
+/* Units stand beside figures everywhere, also where nobody thinks of what a terminal obeys. */
+static void clean_units(vv_field_info *info)
+{
+    vvi_text_clean(info->grid.unit);
+    vvi_text_clean(info->value_unit);
+    vvi_text_clean(info->frame_unit);
+}
+
 static vv_status read_header(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     file->info = vv_field_info_default();
@@ -127,6 +137,7 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
     vv_status st = file->format->read_header(&file->info, &file->plan, file->source, options, file->notes, job);
     if (st != VV_OK)
         return st;
+    clean_units(&file->info);
     vv_part first;
     if (options->part && !vvi_notes_get_part(file->notes, 0, &first))
         return vv_fail_at(VV_E_NOT_FOUND, vvi_source_name(file->source), NULL,
@@ -268,6 +279,29 @@ static vv_status file_new(vv_file **out, const char *name, vv_job *job)
     return file->name ? vvi_notes_new(&file->notes, job) : vv_fail_memory(strlen(name));
 }
 
+vv_status vvi_file_of_plan(vv_file **out, const char *name, const vv_format *format, void *plan,
+                           const vv_field_info *info, vv_notes *notes, vv_job *job)
+{
+    vv_file *file = NULL;
+    const vv_status st = file_new(&file, name, job);
+    *out = NULL;
+    if (file) {
+        vvi_notes_free(file->notes);
+        file->notes = notes;
+        file->format = format;
+        file->plan = plan;
+        file->info = *info;
+    } else {
+        vvi_notes_free(notes);
+        format->free_plan(plan);
+    }
+    if (st == VV_OK)
+        *out = file;
+    else
+        vv_file_close(file);
+    return st;
+}
+
 /* Of a collection no file is one itself: it could name itself. */
 static vv_status open_beside(vv_file *file, const vv_source *folder, const char *name, const vv_read_options *options,
                              vv_job *job)
@@ -403,9 +437,10 @@ static vv_status check_region(const vv_file *file, const vv_box *region)
 
 vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job)
 {
-    if (!file->import)
+    if (file->import)
+        vvi_import_make_repeatable(file->import);
+    else if (file->source)
         return vvi_source_make_repeatable(file->source, job);
-    vvi_import_make_repeatable(file->import);
     return VV_OK;
 }
 

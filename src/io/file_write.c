@@ -3,8 +3,8 @@
 #include "grid/true_values.h"
 #include "io/coding.h"
 #include "io/format.h"
-#include "io/formats/nifti.h"
-#include "io/formats/slices_write.h"
+#include "io/formats/nifti/nifti.h"
+#include "io/formats/slices/slices_write.h"
 #include "io/sink.h"
 #include "registry.h"
 #include <stdio.h>

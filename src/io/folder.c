@@ -3,8 +3,8 @@
 #include "core/text.h"
 #include "io/file_beside.h"
 #include "io/format.h"
-#include "io/formats/slices.h"
-#include "io/formats/steps.h"
+#include "io/formats/slices/slices.h"
+#include "io/formats/steps/steps.h"
 #include "io/notes.h"
 #include "registry.h"
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "core/text.h"
 #include "io/folder.h"
 #include "io/format.h"
-#include "io/formats/slices.h"
-#include "io/formats/steps.h"
+#include "io/formats/slices/slices.h"
+#include "io/formats/steps/steps.h"
 #include "io/mesh_file.h"
 #include "registry.h"
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "core/text.h"
 #include "io/coding.h"
 #include "io/foreign.h"
-#include "io/formats/slices.h"
-#include "io/formats/slices_write.h"
+#include "io/formats/slices/slices.h"
+#include "io/formats/slices/slices_write.h"
 #include "io/mesh_file.h"
 #include "registry.h"
 #include <string.h>
@@ -148,9 +148,11 @@ static vv_status fail_unknown(const uint8_t *head, size_t n_head, const char *pa
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is empty; copy or download it again");
     const vv_mesh_format *mesh;
     if (vvi_mesh_format_of_head(&mesh, head, n_head, path, registry) == 2)
-        return vv_fail_at(VV_E_FORMAT, path, NULL,
-                          "is a mesh (%s), not a volume; 'volvis render', 'info', 'convert' and 'simplify' take it",
-                          mesh->name);
+        return vv_fail_at(
+            VV_E_FORMAT, path, NULL,
+            "is a mesh (%s), not a volume; 'volvis info', 'render', 'view', 'convert', 'simplify', 'smooth', "
+            "'measure' and 'compare' take it",
+            mesh->name);
     const char *kind = vvi_foreign_kind(head, n_head);
     if (kind)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);

@@ -4,7 +4,7 @@
 #include "io/import_listen.h"
 #include "io/import_room.h"
 #include "io/mesh_file.h"
-#include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -25,49 +25,6 @@ vvi_mesh_room vvi_mesh_room_of(const vv_mesh_info *m, unsigned with)
     r.triangles = take(&r.end, true, m->n_triangles, 3 * sizeof(uint32_t));
     r.parts = take(&r.end, true, m->n_parts, sizeof(vv_mesh_part));
     return r;
-}
-
-/* Checking, of copies that nobody else can change -------------------------------------------------------------------
- */
-
-static bool all_finite(const float *values, size_t n)
-{
-    for (size_t i = 0; values && i < n; i++)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
-static bool are_vertices(const uint32_t *triangles, size_t n, size_t n_vertices)
-{
-    for (size_t i = 0; i < n; i++)
-        if (triangles[i] >= n_vertices)
-            return false;
-    return true;
-}
-
-/* One after the other, all triangles. */
-static bool are_parts(const vv_mesh_part *parts, size_t n, size_t n_triangles)
-{
-    size_t next = 0;
-    for (size_t i = 0; i < n; i++) {
-        const vv_mesh_part *p = &parts[i];
-        const vv_color *c = &p->color;
-        if (p->first_triangle != next || p->n_triangles > n_triangles - next || !memchr(p->name, 0, sizeof p->name) ||
-            !isfinite(c->r) || !isfinite(c->g) || !isfinite(c->b) || !isfinite(c->a))
-            return false;
-        next += p->n_triangles;
-    }
-    return n == 0 || next == n_triangles;
-}
-
-static const char *flaw_of(const vv_mesh_info *m)
-{
-    if (!all_finite(m->positions, 3 * m->n_vertices) || !all_finite(m->normals, 3 * m->n_vertices))
-        return "a mesh with places that are none";
-    if (!are_vertices(m->triangles, 3 * m->n_triangles, m->n_vertices))
-        return "triangles of vertices that there are not";
-    return are_parts(m->parts, m->n_parts, m->n_triangles) ? NULL : "parts that are none of the mesh";
 }
 
 /* Reading -----------------------------------------------------------------------------------------------------------
@@ -108,6 +65,14 @@ static vv_status fill_room(vvi_import_process *p, vvi_import_room *room, int fd,
     return vvi_import_room_seal(room, fd) ? VV_OK : vvi_import_nonsense(p, "arrays that it still holds");
 }
 
+/* Checked in copies, which nobody else can change. */
+static vv_status fail_arrays(vvi_import_process *p)
+{
+    char flaw[256];
+    snprintf(flaw, sizeof flaw, "%s", vv_error_last()->message);
+    return vvi_import_nonsense(p, flaw);
+}
+
 static vv_status take_arrays(vv_mesh **out, vvi_import_process *p, const vv_mesh_info *m, unsigned with, vv_job *job)
 {
     vvi_import_room *room;
@@ -121,8 +86,7 @@ static vv_status take_arrays(vv_mesh **out, vvi_import_process *p, const vv_mesh
     if (st == VV_OK)
         st = mesh_of_room(out, m, with, room->data, job);
     vvi_import_room_free(room);
-    const char *flaw = st == VV_OK ? flaw_of(vv_mesh_get_info(*out)) : NULL;
-    return flaw ? vvi_import_nonsense(p, flaw) : st;
+    return st == VV_OK && vvi_mesh_check(vv_mesh_get_info(*out)) != VV_OK ? fail_arrays(p) : st;
 }
 
 static vv_status ask_to_open(vvi_import_process *p, const char *path, const vv_mesh_read_options *options, vv_job *job)

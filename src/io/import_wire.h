@@ -17,6 +17,8 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_OPEN_MESH,
     VVI_WIRE_READ_MESH,  /* its arrays, one after the other, with such a descriptor */
     VVI_WIRE_READ_TEXTS, /* of an image: no pixels */
+    VVI_WIRE_OPEN_IMAGE,
+    VVI_WIRE_READ_IMAGE, /* its pixels and layers, as of a mesh */
     VVI_WIRE_LOG,        /* from here on from the import program */
     VVI_WIRE_PROGRESS,
     VVI_WIRE_METADATA,
@@ -28,11 +30,12 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_OPENED, /* this and the next end what was asked for */
     VVI_WIRE_OPENED_MESH,
     VVI_WIRE_TEXTS,
+    VVI_WIRE_OPENED_IMAGE,
     VVI_WIRE_DONE,
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 8, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 9, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;

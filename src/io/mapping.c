@@ -35,6 +35,7 @@ static _Atomic(struct vvi_mapping *) all_mappings;
 #define ACTIONS_MOST 64
 static struct sigaction previous_actions[ACTIONS_MOST]; /* written before n_actions counts them, never changed after */
 static atomic_int n_actions;
+static atomic_uint n_faults;
 static atomic_uintptr_t page_bytes;
 static pthread_mutex_t installing = PTHREAD_MUTEX_INITIALIZER;
 static _Thread_local volatile sig_atomic_t passing_on;
@@ -77,6 +78,7 @@ static void on_bus_error(int number, siginfo_t *info, void *context)
         if (mmap(page, size, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == MAP_FAILED)
             break;
         atomic_store(&m->damaged, true);
+        atomic_fetch_add(&n_faults, 1);
         errno = saved;
         return;
     }
@@ -161,6 +163,19 @@ vv_status vvi_mapping_new(vvi_mapping **out, const void **data_out, size_t *guar
     *data_out = base + skew;
     *guard_out = n_all - (size_t)skew - (size_t)n;
     return VV_OK;
+}
+
+unsigned vvi_mapping_faults(void)
+{
+    return atomic_load(&n_faults);
+}
+
+vv_status vvi_mapping_check_since(unsigned faults)
+{
+    return vvi_mapping_faults() == faults
+               ? VV_OK
+               : vv_fail(VV_E_READ, "a file shrank or could no longer be read while it was in use; missing samples "
+                                    "were taken as 0, so no result is given");
 }
 
 bool vvi_mapping_damaged(const vvi_mapping *mapping)

@@ -119,6 +119,11 @@ vv_status vvi_source_map(vvi_mapping **out, const void **data_out, size_t *guard
 /** Whether `data` is what was mapped last of the source, and where in its file that lies. */
 bool vvi_source_mapped_at(const vv_source *source, const void *data, uint64_t *offset_out);
 bool vvi_mapping_damaged(const vvi_mapping *mapping);
+/** How often samples of any mapped file were found to be gone. Whoever reads samples asks vv_field_health() of its
+ * fields afterwards; this is for what ends a whole piece of work, whatever it has read. */
+unsigned vvi_mapping_faults(void);
+/** VV_E_READ where there were more since then. */
+vv_status vvi_mapping_check_since(unsigned faults);
 void vvi_mapping_free(void *mapping);
 
 /** What a file lacks that is only looked at: the sentence that reading its samples will end with; "": nothing. */

@@ -123,6 +123,14 @@ static bool ends_too_early(enum XML_Error code)
            code == XML_ERROR_UNCLOSED_CDATA_SECTION || code == XML_ERROR_PARTIAL_CHAR;
 }
 
+static vv_status fail_broken(const vvi_xml *xml, enum XML_Error code)
+{
+    char text[160];
+    snprintf(text, sizeof text, xml->depth > 0 ? "its XML is damaged here: %s" : "is not XML: %s",
+             XML_ErrorString(code));
+    return fail_here(xml, VV_E_FORMAT, text);
+}
+
 /* One piece of the file; *last when it was the last. */
 static vv_status parse_piece(vvi_xml *xml, bool *cut_out, bool *last, vv_job *job)
 {
@@ -142,7 +150,7 @@ static vv_status parse_piece(vvi_xml *xml, bool *cut_out, bool *last, vv_job *jo
         if (code == XML_ERROR_NO_MEMORY)
             return vv_fail_memory(PIECE_BYTES);
         if (!*last || !ends_too_early(code) || xml->depth == 0)
-            return fail_here(xml, VV_E_FORMAT, XML_ErrorString(code));
+            return fail_broken(xml, code);
         *cut_out = true;
     }
     if (vvi_source_tell(xml->source) - xml->told > vvi_job_limits(job)->string_bytes + PIECE_BYTES)

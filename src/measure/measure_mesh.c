@@ -2,8 +2,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
+#include "grid/mesh_normals.h"
 #include "measure/mass_kernel.h"
-#include "surface/normals.h"
 #include "surface/places.h"
 
 #include <float.h>

@@ -40,4 +40,10 @@ enum { VVI_PLOT_WIDTH = 960, VVI_PLOT_HEIGHT = 600 };
 vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job);
 /** The picture under a density's plot: white, and colours by the logarithm of the counts. */
 void vvi_plot_paint(vv_image *image, const vvi_plot *plot);
+
+/** All of it as SVG. Free the text also when this fails. */
+vv_status vvi_plot_svg(vvi_text *out, const vvi_plot *plot, vv_job *job);
+/** As an image, yours to release also when this fails. *lettered_out: false: there is no font, and the thread's last
+ * error says why; lines and areas are there. */
+vv_status vvi_plot_image(vv_image **out, bool *lettered_out, const vvi_plot *plot, vv_job *job);
 #endif

@@ -303,8 +303,10 @@ static const vv_property slices[] = {
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
      .automatic = "add for channels, else over", .doc = "how it is blended with the volumes before it"},
     {VV_PROP(vv_volume_slices, opacity), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
-     .max = 1, .def = 1, .automatic = "1; 50% over other volumes",
+     .max = 1, .def = 1, .automatic = "1; 50% over other volumes if nothing of it is clear",
      .doc = "of its slices; what is transparent stays transparent"},
+    {VV_PROP(vv_volume_slices, clear_below), .kind = VV_KIND_BOOL,
+     .automatic = "over other volumes if window_lo is set", .doc = "whether values below the window are transparent"},
     END,
 };
 const vv_class vvi_volume_slices_class = {
@@ -373,14 +375,17 @@ static const vv_property dataset[] = {
      .doc = "layout of a headerless file: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
     {VV_PROP(vv_dataset, checksum), VVI_WORD, .automatic = "not checked",
      .doc = "crc32:89abcdef of the samples of time step 0; checked when they are read"},
-    {VV_PROP(vv_dataset, source), VVI_WORD, .automatic = "none: it was not made here",
-     .doc = "name of the dataset that it was made from"},
-    {VV_PROP(vv_dataset, operation), VVI_WORD, .automatic = "none: it was not made here",
-     .doc = "the operation that made it, as listed by 'volvis operations'"},
-    {VV_PROP(vv_dataset, parameters), VVI_TEXT(65536), .automatic = "none: the operation's defaults",
-     .doc = "parameters of that operation, as the text of a JSON object"},
-    {VV_PROP(vv_dataset, inputs), VVI_TEXT(4096), .automatic = "none: source alone",
-     .doc = "names of datasets that were its other inputs, as the text of a JSON object: {\"values\": \"ct\"}"},
+    {VV_PROP(vv_dataset, operation), VVI_WORD, .automatic = "none: it was not made of others",
+     .doc = "the operation that makes it of other datasets, as listed by 'volvis operations'; with a path: that made "
+            "the file"},
+    {VV_PROP(vv_dataset, inputs), .kind = VV_KIND_MEMBERS, .limited = true, .max = 4096,
+     .automatic = "none: source alone",
+     .doc = "names of the datasets that the operation works on, by input: {\"volume\": \"ct\"}"},
+    {VV_PROP(vv_dataset, parameters), .kind = VV_KIND_MEMBERS, .limited = true, .max = 65536,
+     .automatic = "none: the operation's defaults",
+     .doc = "parameters of the operation, by name: {\"sigma\": \"1mm\"}; 'volvis help OPERATION' lists them"},
+    {VV_PROP(vv_dataset, source), VVI_WORD, .automatic = "none: inputs name them all",
+     .doc = "the first input of the operation, where inputs does not name it"},
     END,
 };
 const vv_class vv_dataset_class = {

@@ -77,7 +77,7 @@ static double find_voxel(const vv_world *world, vv_job *job)
     for (size_t i = 0; i < datasets->n; i++) {
         vv_field_info info;
         const vv_dataset *dataset = (const vv_dataset *)datasets->entry[i].object;
-        if (!vv_dataset_is_mesh(dataset, job) && vv_dataset_info(&info, dataset, job) == VV_OK)
+        if (!vv_dataset_is_mesh(dataset, job) && vv_dataset_info(&info, world, dataset, job) == VV_OK)
             return voxel_in(world->unit, &info.grid);
     }
     return 0;

@@ -4,7 +4,7 @@
 #ifndef VVI_MODEL_DATASET_H
 #define VVI_MODEL_DATASET_H
 #include "model/classes.h"
-#include <volvis/file.h>
+#include <volvis/field.h>
 #include <volvis/mesh.h>
 
 /** Frame 0 of each attribute, or a mesh; never changes once attached. */
@@ -21,6 +21,4 @@ vv_status vvi_dataset_attach(vv_dataset *dataset, const vv_field *field);
 vv_status vvi_dataset_attach_mesh(vv_dataset *dataset, const vv_mesh *mesh);
 /** The attached field of that attribute (NULL: the first), borrowed; NULL when there is none. */
 const vv_field *vvi_dataset_attached(const vv_dataset *dataset, const char *name);
-/** The file of a dataset that has a path, with what its header says; the caller closes it. */
-vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job);
 #endif

@@ -130,24 +130,27 @@ vv_status vv_model_replace(vv_model *model, const char *who, vv_world *world)
     return edit_model(model, who, &(edit){.kind = EDIT_REPLACE, .path = "", .object = &world->base});
 }
 
-/* The dataset of that name, or a new one, with the field attached. */
-static vv_status make_attached(vv_object **out, const vv_model *model, const char *id, const vv_field *field)
+/* The dataset of that name, or a new one, with the field or the mesh attached. */
+static vv_status make_attached(vv_object **out, const vv_model *model, const char *id, const vv_field *field,
+                               const vv_mesh *mesh)
 {
     const vv_object *old = vv_collection_find(((const vv_world *)model->world)->datasets, id);
     vv_status st = old ? vvi_object_copy(out, old) : vv_object_new(out, &vv_dataset_class, NULL);
-    if (st == VV_OK && (st = vvi_dataset_attach((vv_dataset *)*out, field)) != VV_OK) {
+    if (st == VV_OK && (st = mesh ? vvi_dataset_attach_mesh((vv_dataset *)*out, mesh)
+                                  : vvi_dataset_attach((vv_dataset *)*out, field)) != VV_OK) {
         vv_object_release(*out);
         *out = NULL;
     }
     return st;
 }
 
-static vv_status attach_locked(vv_model *model, const char *who, const char *id, const vv_field *field)
+static vv_status attach_locked(vv_model *model, const char *who, const char *id, const vv_field *field,
+                               const vv_mesh *mesh)
 {
     vv_object *dataset = NULL;
     if (!vvi_id_valid(id))
         return vv_fail_at(VV_E_ARGUMENT, NULL, "datasets", "'%.80s' is not a valid name for a dataset", id);
-    vv_status st = make_attached(&dataset, model, id, field);
+    vv_status st = make_attached(&dataset, model, id, field, mesh);
     if (st != VV_OK)
         return st;
     char *path = vvi_asprintf("datasets.%s", id);
@@ -158,14 +161,24 @@ static vv_status attach_locked(vv_model *model, const char *who, const char *id,
     return st;
 }
 
-vv_status vv_model_attach(vv_model *model, const char *who, const char *id, const vv_field *field)
+static vv_status attach(vv_model *model, const char *who, const char *id, const vv_field *field, const vv_mesh *mesh)
 {
     vv_status st = vvi_model_lock(model);
     if (st != VV_OK)
         return st;
-    st = attach_locked(model, who ? who : "", id, field);
+    st = attach_locked(model, who ? who : "", id, field, mesh);
     vvi_model_unlock(model);
     return st;
+}
+
+vv_status vv_model_attach(vv_model *model, const char *who, const char *id, const vv_field *field)
+{
+    return attach(model, who, id, field, NULL);
+}
+
+vv_status vv_model_attach_mesh(vv_model *model, const char *who, const char *id, const vv_mesh *mesh)
+{
+    return attach(model, who, id, NULL, mesh);
 }
 
 /* Transactions -------------------------------------------------------------------------------------------------- */

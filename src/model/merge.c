@@ -1,9 +1,10 @@
 /* One World's data shown in another. */
 #include "model/merge.h"
-#include "core/job.h"
 #include "core/property_impl.h"
 #include "model/context.h"
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct merging {
     vv_object *world;
@@ -61,11 +62,14 @@ static void name_only_data(merging *m)
     }
 }
 
+/* What a dataset of the other World is called in this one. */
+typedef char new_id[VVI_ID_MOST + 1];
+
 /* A dataset and the volumes that show it. */
-static void add_dataset(merging *m, const vv_world *from, size_t index)
+static void add_dataset(merging *m, const vv_world *from, size_t index, char data[VVI_ID_MOST + 1])
 {
     const vv_entry *dataset = &from->datasets->entry[index];
-    char data[VVI_ID_MOST + 1], id[VVI_ID_MOST + 1];
+    char id[VVI_ID_MOST + 1];
     free_id(data, now(m)->datasets, dataset->id);
     put(m, "datasets", data, dataset->object);
     for (size_t i = 0; i < from->volumes->n && m->st == VV_OK; i++) {
@@ -79,12 +83,45 @@ static void add_dataset(merging *m, const vv_world *from, size_t index)
     }
 }
 
-vv_status vvi_world_merge(vv_world **world, const vv_world *from, vv_job *job)
+static void rename_reference(merging *m, const vv_world *from, new_id *ids, const char *id, const char *path)
 {
-    merging m = {.world = vv_object_retain(&(*world)->base), .context = vvi_registry_context(vvi_job_registry(job))};
+    const size_t at = id ? vvi_collection_index(from->datasets, id) : from->datasets->n;
+    if (at < from->datasets->n && m->st == VV_OK)
+        m->st = vv_path_set(&m->world, path, ids[at], &m->context);
+}
+
+/* What is made is made of the same as before, whatever that is called now. */
+static void rename_inputs(merging *m, const vv_world *from, new_id *ids, size_t index)
+{
+    const vv_dataset *d = (const vv_dataset *)from->datasets->entry[index].object;
+    char path[2 * PATH_ROOM];
+    const char *name;
+    json_t *value, *inputs = vvi_members_tree(&d->base, vv_class_find(&vv_dataset_class, "inputs"));
+    if (!inputs && m->st == VV_OK)
+        m->st = vv_fail_memory(PATH_ROOM);
+    json_object_foreach(inputs, name, value)
+    {
+        snprintf(path, sizeof path, "datasets.%s.inputs.%.*s", ids[index], VVI_ID_MOST, name);
+        if (strlen(name) <= VVI_ID_MOST && !strchr(name, '.'))
+            rename_reference(m, from, ids, json_string_value(value), path);
+    }
+    json_decref(inputs);
+    snprintf(path, sizeof path, "datasets.%s.source", ids[index]);
+    rename_reference(m, from, ids, d->source, path);
+}
+
+vv_status vvi_world_merge(vv_world **world, const vv_world *from, const vv_registry *registry)
+{
+    merging m = {.world = vv_object_retain(&(*world)->base), .context = vvi_registry_context(registry)};
+    new_id *ids = vvi_calloc(from->datasets->n + 1, sizeof *ids);
+    if (!ids)
+        m.st = vv_fail_memory(from->datasets->n * sizeof *ids);
     name_only_data(&m);
     for (size_t i = 0; i < from->datasets->n && m.st == VV_OK; i++)
-        add_dataset(&m, from, i);
+        add_dataset(&m, from, i, ids[i]);
+    for (size_t i = 0; i < from->datasets->n && m.st == VV_OK; i++)
+        rename_inputs(&m, from, ids, i);
+    free(ids);
     if (m.st != VV_OK) {
         vv_object_release(m.world);
         return m.st;

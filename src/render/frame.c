@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/status.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "render/decorate/decorate.h"
 #include <string.h>
 

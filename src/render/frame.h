@@ -52,6 +52,9 @@ vv_status vvi_frame_show(vvi_frame *frame, const float *light);
 /** Tell who waits for it that the image is better now. */
 void vvi_frame_tell(vvi_frame *frame, int level, bool final);
 
+/** vv_field_health() of all that is shown: samples that went while they were drawn were drawn as 0. */
+vv_status vvi_scene_health(const vv_scene *scene);
+
 /* One ray a pixel or fewer --------------------------------------------------------------------------------------- */
 
 enum { VVI_COARSE = 4 }; /**< pixels from one ray to the next at first */

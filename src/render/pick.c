@@ -262,6 +262,8 @@ vv_status vv_pick(vv_picked *out, const vv_pixel *pixels, size_t n, vv_world *wo
     if (st != VV_OK)
         return st;
     st = pick_scene(&(picking){.scene = scene, .out = out, .pixels = pixels, .job = job}, n);
+    if (st == VV_OK)
+        st = vvi_scene_health(scene);
     vv_scene_release(scene);
     return st;
 }

@@ -1,6 +1,6 @@
 /* A picture from a coarse grid of rays, which grows finer until it has one ray a pixel: no ray is cast twice. */
 #include "core/job.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "render/frame.h"
 #include <math.h>
 #include <string.h>

@@ -75,12 +75,12 @@ static vv_status checksum_of(uint32_t *out, const vv_dataset *dataset, vv_job *j
     vv_mesh *mesh = NULL;
     vv_status st;
     if (vv_dataset_is_mesh(dataset, job)) {
-        if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK)
+        if ((st = vv_dataset_mesh(&mesh, NULL, dataset, job)) == VV_OK)
             *out = vv_mesh_checksum(mesh);
         vv_mesh_release(mesh);
         return st;
     }
-    if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
+    if ((st = vv_dataset_field(&field, NULL, dataset, NULL, 0, job)) == VV_OK)
         st = vv_field_checksum(out, field, job);
     vv_field_release(field);
     return st;

@@ -2,10 +2,10 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "gfx/gfx.h"
-#include "render/common/resolve.h"
 #include "render/decorate/decorate.h"
 #include "render/frame.h"
 #include "render/sight.h"
+#include "scene/resolve.h"
 #include <string.h>
 
 void vv_render_options_init(vv_render_options *options, size_t size)
@@ -148,7 +148,7 @@ static void warn_of_layers(const vvi_frame *frame)
 }
 
 /* Samples that went while they were drawn were drawn as 0. */
-static vv_status check_samples(const vv_scene *scene)
+vv_status vvi_scene_health(const vv_scene *scene)
 {
     vv_status st = VV_OK;
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
@@ -202,7 +202,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
     report->prepare_s += prepared - start;
     st = render_passes(&frame, prepared);
     if (st == VV_OK)
-        st = check_samples(scene);
+        st = vvi_scene_health(scene);
     fill_report(report, &frame, prepared);
     if (st == VV_OK && options->figure_out)
         st = vvi_frame_figure(options->figure_out, &frame);

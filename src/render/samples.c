@@ -10,7 +10,7 @@
 #include "render/samples.h"
 #include "core/memory.h"
 #include "core/status.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <string.h>
 

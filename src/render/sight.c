@@ -2,10 +2,10 @@
 #include "render/sight.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/lens.h"
-#include "render/common/resolve.h"
 #include "render/common/shade_ref.h"
-#include "render/common/transfer.h"
+#include "scene/lens.h"
+#include "scene/resolve.h"
+#include "scene/transfer.h"
 
 /* Depths are floats: what lies on a face may seem to lie this far beyond it. Voxels, and shares of the depth. */
 #define SLACK_VOXELS 1e-3

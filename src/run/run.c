@@ -59,6 +59,8 @@ static vv_status choose_format(vv_run *r, const vv_run_output *output)
     const vv_registry *registry = vvi_job_registry(r->job);
     vv_write_options_init(&r->options, sizeof r->options);
     vvi_options_over(&r->options, sizeof r->options, output->options);
+    if (!r->path)
+        return VV_OK;
     return r->options.format ? vvi_format_named(&r->format, r->options.format, registry)
                              : vvi_format_of_output(&r->format, r->path, registry);
 }
@@ -66,7 +68,7 @@ static vv_status choose_format(vv_run *r, const vv_run_output *output)
 /* Layers of a segmentation in the place of time steps, where the output holds them. */
 static vv_status choose_layers(vv_run *r)
 {
-    if (!r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
+    if (!r->format || !r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
         return VV_OK;
     const vv_status st = vvi_layers_open(&r->layers, &r->inputs[0], r->job);
     r->about.n_layers = r->layers.n;
@@ -90,7 +92,7 @@ static bool in_order(const vv_step *step)
  * amounts. */
 static bool becomes_label(const vv_run *r, const vv_field_info *info)
 {
-    return r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
+    return r->format && r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
            !vv_type_is_float(info->type) && !vvi_has_scale(info);
 }
 
@@ -139,7 +141,7 @@ static vv_status plan_steps(vv_run *r)
         r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     }
     declare_label(&infos[0], r);
-    r->about.finds_type = vvi_format_writes_values(r->format, &infos[0], r->options.stored);
+    r->about.finds_type = r->format && vvi_format_writes_values(r->format, &infos[0], r->options.stored);
     r->about.info = r->about.result = r->about.written = infos[0];
     return VV_OK;
 }
@@ -367,7 +369,7 @@ static vv_status make_frames(vv_run *r)
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */
 static vv_status allow_repeats(vv_run *r)
 {
-    bool again = r->about.streamed && (r->format->labels_only || r->about.finds_type);
+    bool again = r->about.streamed && (!r->format || r->format->labels_only || r->about.finds_type);
     vv_status st = VV_OK;
     for (size_t s = 0; s < r->n_steps; s++)
         again = again || (r->about.streamed && !in_order(&r->steps[s])) || settles(r, &r->steps[s]);
@@ -409,6 +411,11 @@ const vv_mesh *vv_run_mesh(const vv_run *run)
     return run->mesh;
 }
 
+const vv_field *vv_run_field(const vv_run *run, int64_t index)
+{
+    return run->results && index >= 0 && index < run->n_results ? run->results[index] : NULL;
+}
+
 static vv_status write_fields(vv_run *run)
 {
     vv_write_options options = run->options;
@@ -433,6 +440,8 @@ static vv_status write_fields(vv_run *run)
 
 vv_status vv_run_write(vv_run *run)
 {
+    if (!run->path)
+        return vv_fail(VV_E_ARGUMENT, "%s: there is no file to write the result to", run->name);
     if (run->written)
         return vv_fail(VV_E_ARGUMENT, "%s: is written already", run->name);
     const vv_status st = run->results || run->mesh ? VV_OK : vv_run_make(run);

@@ -56,8 +56,11 @@ static vv_status check(const vv_object *object, const char *path)
     (void)path;
     if (p->seed && p->seed->n % 3)
         return vv_fail(VV_E_ARGUMENT, "grow: a seed has three coordinates, X,Y,Z; there are %zu numbers", p->seed->n);
-    if (given(p) && (vv_object_is_set(object, "deviations") || vv_object_is_set(object, "iterations")))
-        return vv_fail(VV_E_ARGUMENT, "grow: a range needs no `deviations` or `iterations`: give one of them");
+    if (given(p) && (vv_object_is_set(object, "deviations") || vv_object_is_set(object, "radius") ||
+                     vv_object_is_set(object, "iterations")))
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "grow: a range needs no `deviations`, `radius` or `iterations`: give the range, or some of them");
     return given(p) ? vvi_value_range_parse(&range, p->range, "grow: range") : VV_OK;
 }
 

@@ -69,14 +69,11 @@ static uint32_t count_large(const uint64_t *size, uint32_t n)
     return large;
 }
 
-vv_status vvi_part_sizes_find(vvi_part_sizes *out, const vvi_runs *runs, double least, uint32_t most, vv_job *job)
+vv_status vvi_part_sizes_rank(vvi_part_sizes *out, const uint64_t *size, uint32_t n, double least, uint32_t most,
+                              vv_job *job)
 {
-    const uint32_t n = runs->n_parts;
-    uint64_t *size = NULL;
     *out = (vvi_part_sizes){.n_parts = n};
-    vv_status st = vvi_runs_sizes(&size, runs, job);
-    if (st != VV_OK)
-        return st;
+    vv_status st = VV_OK;
     const size_t large_bytes = ((size_t)count_large(size, n) + 1) * sizeof(part);
     part *large = vvi_alloc(job, large_bytes, VVI_MEM_SCRATCH);
     uint32_t *before = vvi_alloc_zeroed(job, COUNTED * sizeof *before, VVI_MEM_SCRATCH);
@@ -88,6 +85,16 @@ vv_status vvi_part_sizes_find(vvi_part_sizes *out, const vvi_runs *runs, double 
         st = vv_fail_memory(((size_t)n + 1) * sizeof *out->rank);
     vvi_free(large);
     vvi_free(before);
+    return st;
+}
+
+vv_status vvi_part_sizes_find(vvi_part_sizes *out, const vvi_runs *runs, double least, uint32_t most, vv_job *job)
+{
+    uint64_t *size = NULL;
+    *out = (vvi_part_sizes){.n_parts = runs->n_parts};
+    vv_status st = vvi_runs_sizes(&size, runs, job);
+    if (st == VV_OK)
+        st = vvi_part_sizes_rank(out, size, runs->n_parts, least, most, job);
     vvi_free(size);
     return st;
 }

@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "core/units.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 
 #include <math.h>
 #include <stdio.h>

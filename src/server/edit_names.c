@@ -1,6 +1,6 @@
 /* Names in what is edited that the model cannot know, since drawing has them: presets and colour maps. */
-#include "render/common/colormaps.h"
-#include "render/common/presets.h"
+#include "scene/colormaps.h"
+#include "scene/presets.h"
 #include "server/session_impl.h"
 
 #include <stdlib.h>

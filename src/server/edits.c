@@ -3,6 +3,7 @@
 #include "core/places.h"
 #include "core/property_size.h"
 #include "core/units.h"
+#include "model/classes.h"
 #include "model/history.h"
 #include "server/session_impl.h"
 
@@ -119,7 +120,9 @@ static bool give_file(void *user, const char *path, const vv_property *row, cons
         return true;
     memcpy(&file, (const char *)owner + row->offset, sizeof file);
     char *real = file ? realpath(file, NULL) : NULL;
-    if (!real || vvi_files_inside(g->session, real)) {
+    const bool font =
+        owner->cls == &vvi_decorations_class; /* below the root they are read only where they were given */
+    if (!real || (!font && vvi_files_inside(g->session, real))) {
         free(real);
         return true;
     }

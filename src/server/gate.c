@@ -118,7 +118,7 @@ vv_status vvi_token_check(const char *token)
     return VV_OK;
 }
 
-static vv_status take_token(vvi_gate *gate, const char *token)
+static vv_status set_token(vvi_gate *gate, const char *token)
 {
     const vv_status st = vvi_token_check(token);
     if (st == VV_OK)
@@ -133,7 +133,7 @@ vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls)
     snprintf(out->cookie_name, sizeof out->cookie_name, "%svolvis-%d", tls ? "__Host-" : "", port);
     vv_status st = vvi_token_make(out->cookie);
     if (st == VV_OK)
-        st = token ? take_token(out, token) : vvi_token_make(out->token);
+        st = token ? set_token(out, token) : vvi_token_make(out->token);
     for (int i = 0; i < 3 && st == VV_OK; i++)
         st = vvi_gate_add_host(out, names[i], port);
     return st;
@@ -298,31 +298,35 @@ static bool comes_from_here(const vvi_gate *gate, const vvi_request *r)
     return !r->fetch_site || strcmp(r->fetch_site, "same-origin") == 0 || strcmp(r->fetch_site, "none") == 0;
 }
 
+/* Whatever others of this address have tried: they may be behind one proxy. */
+static vvi_pass take_token(vvi_gate *gate, const vvi_request *r, const char *token, bool is_right, int64_t now)
+{
+    if (is_right || is_secret(token, strnlen(token, VVI_TOKEN_TEXT), gate->token))
+        return VVI_PASS_ALL;
+    if (is_blocked(gate, r->address, now))
+        return VVI_PASS_SLOWER;
+    count_failure(gate, r->address, now);
+    return VVI_PASS_NONE;
+}
+
+/* A link that lets in once is for a page, which comes with it by vvi_gate_exchange(). */
 vvi_pass vvi_gate_check(vvi_gate *gate, const vvi_request *r, int64_t now)
 {
     if (!comes_from_here(gate, r))
         return VVI_PASS_NONE;
     if (has_cookie(gate, r->cookie))
         return VVI_PASS_ALL;
-    if (!r->bearer)
-        return VVI_PASS_PAGE;
-    return vvi_gate_exchange(gate, r, r->bearer, now);
+    return r->bearer ? take_token(gate, r, r->bearer, false, now) : VVI_PASS_PAGE;
 }
 
 vvi_pass vvi_gate_exchange(vvi_gate *gate, const vvi_request *r, const char *token, int64_t now)
 {
     if (!comes_from_here(gate, r))
         return VVI_PASS_NONE;
-    const size_t n = strnlen(token, VVI_TOKEN_TEXT);
-    const bool launches = *gate->launch && is_secret(token, n, gate->launch);
+    const bool launches = *gate->launch && is_secret(token, strnlen(token, VVI_TOKEN_TEXT), gate->launch);
     if (launches)
         *gate->launch = 0;
-    if (launches || is_secret(token, n, gate->token))
-        return VVI_PASS_ALL; /* whatever others of this address have tried: they may be behind one proxy */
-    if (is_blocked(gate, r->address, now))
-        return VVI_PASS_SLOWER;
-    count_failure(gate, r->address, now);
-    return VVI_PASS_NONE;
+    return take_token(gate, r, token, launches, now);
 }
 
 void vvi_gate_cookie(char out[256], const vvi_gate *gate)

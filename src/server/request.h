@@ -47,11 +47,13 @@ vv_status vvi_request_add_slow(vvi_request *request);
 void vvi_request_tell_text(vvi_request *request, vvi_text *text);
 /** Of the file that an operation's result is written to: ".nrrd" and ".ply", or that of the dataset's own format, where
  * that alone keeps what the file says. */
-vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_dataset *dataset, vv_job *job);
+vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_world *world,
+                             const vv_dataset *dataset, vv_job *job);
 /** The parameters of an operation on a dataset, read as its files say what a length or a voxel is. *out is yours;
  * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
-                                 const vv_dataset *dataset, const vv_registry *registry, vv_job *job);
+                                 const vv_world *world, const vv_dataset *dataset, const vv_registry *registry,
+                                 vv_job *job);
 /** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
  * must be. */
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
@@ -70,7 +72,7 @@ typedef struct vvi_request_inputs {
 vv_status vvi_request_open_inputs(vvi_request_inputs *out, const vvi_request *request, vv_job *job);
 void vvi_request_close_inputs(vvi_request_inputs *inputs);
 /** The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
-vv_status vvi_request_open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job);
+vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
 void vvi_request_done_slowly(vvi_task *task, vv_status st);
 /** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */

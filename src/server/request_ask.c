@@ -1,7 +1,7 @@
 /* Questions about data and about what is seen. */
 #include "core/memory.h"
 #include "grid/label_id.h"
-#include "render/common/resolve.h"
+#include "scene/resolve.h"
 #include "server/request.h"
 
 #include <math.h>
@@ -134,7 +134,7 @@ static vv_status run_histogram(vvi_task *task, vv_job *job)
         return VV_E_NOT_FOUND;
     if (!s)
         return vv_fail_memory(sizeof *s);
-    vv_status st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
+    vv_status st = vv_dataset_field(&field, r->world, dataset, volume->attribute, volume->frame, job);
     if (st == VV_OK)
         st = seen_statistics(s, &field, volume, job);
     if (st == VV_OK)
@@ -169,7 +169,7 @@ static vv_status run_info(vvi_task *task, vv_job *job)
     uint64_t bytes = 0;
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->name);
-    vv_status st = vv_dataset_info(&info, dataset, job);
+    vv_status st = vv_dataset_info(&info, r->world, dataset, job);
     if (st == VV_OK)
         st = vv_field_info_bytes(&bytes, &info);
     if (st != VV_OK)

@@ -1,7 +1,9 @@
 /* What was done, as command lines that do it again: the operations that made the data, then the picture. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "model/context.h"
 #include "model/merge.h"
+#include "run/made.h"
 #include "server/request.h"
 
 #include <stdio.h>
@@ -89,50 +91,70 @@ static void put_made(vvi_text *out, const char *id, const char *suffix)
     quote(out, name);
 }
 
-static const char *suffix_of(const char *path)
+static const char *suffix_of(const vv_dataset *dataset, vv_job *job)
 {
-    const char *slash = path ? strrchr(path, '/') : NULL;
+    const char *path = dataset->path, *slash = path ? strrchr(path, '/') : NULL;
     const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
-    return dot ? dot : ".nrrd";
+    return dot ? dot : !path && vv_dataset_is_mesh(dataset, job) ? ".ply" : ".nrrd";
+}
+
+/* The id, as the World has it, of the first input: as `source` says it, or among the inputs by name. NULL: none. */
+static const char *source_of(const vv_world *world, const vv_dataset *d, const vv_operation *operation)
+{
+    const char *id = d->source;
+    json_t *inputs = d->inputs ? json_loads(d->inputs, 0, NULL) : NULL;
+    if (!id && operation->inputs[0].names)
+        id = json_string_value(json_object_iter_value(json_object_iter(inputs)));
+    else if (!id)
+        id = json_string_value(json_object_get(inputs, operation->inputs[0].name));
+    const char *own = NULL;
+    for (size_t i = 0; id && i < world->datasets->n && !own; i++)
+        own = strcmp(world->datasets->entry[i].id, id) == 0 ? world->datasets->entry[i].id : NULL;
+    json_decref(inputs);
+    return own;
+}
+
+static bool has_data(const vv_dataset *dataset)
+{
+    return dataset && (dataset->path || vv_dataset_is_made(dataset));
 }
 
 /* Whether lines can make it again: which operation, and of what. */
 static const vv_operation *made_by(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
 {
-    const vv_dataset *source = find_dataset(world, dataset->source);
-    if (!dataset->operation || !source || !source->path)
-        return NULL;
-    return vv_registry_operation(registry, dataset->operation);
+    const vv_operation *operation = dataset->operation ? vv_registry_operation(registry, dataset->operation) : NULL;
+    const char *source = operation ? source_of(world, dataset, operation) : NULL;
+    return has_data(find_dataset(world, source)) ? operation : NULL;
 }
 
 /* The file of a dataset as a word of the line that comes now. */
-static void put_input(vvi_text *out, const vv_world *world, const char *id, const vv_registry *registry)
+static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
     const vv_dataset *dataset = find_dataset(world, id);
-    if (made_by(world, dataset, registry)) {
-        put_made(out, id, suffix_of(dataset->path));
+    if (made_by(world, dataset, vvi_job_registry(job))) {
+        put_made(out, id, suffix_of(dataset, job));
         return;
     }
-    quote(out, dataset->path);
+    quote(out, dataset->path ? dataset->path : id);
     put_reading(out, dataset);
 }
 
 typedef struct step {
     const vv_operation *operation;
     const char *source, *parameters, *inputs;
+    const vv_dataset *made; /* whose recipe it is; NULL: what was asked for, or made a file */
 } step;
 
 /* NAME=FILE:PART, since options of reading are of the first. */
-static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id,
-                      const vv_registry *registry)
+static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id, vv_job *job)
 {
     const vv_dataset *dataset = find_dataset(world, id);
     vvi_text_printf(out, " %s=", name);
-    if (made_by(world, dataset, registry)) {
-        put_made(out, id, suffix_of(dataset->path));
+    if (made_by(world, dataset, vvi_job_registry(job))) {
+        put_made(out, id, suffix_of(dataset, job));
         return;
     }
-    quote(out, dataset->path);
+    quote(out, dataset->path ? dataset->path : id);
     if (dataset->part) {
         vvi_text_add(out, ":");
         quote(out, dataset->part);
@@ -157,30 +179,45 @@ typedef struct making {
     const vv_world *world;
     int depth;
     vv_job *job;
+    const vv_operation *operation; /* whose inputs are gone through; NULL: all of them are */
 } making;
 
 static vv_status visit_other(void *user, const char *name, const char *id)
 {
     const making *m = user;
     const vv_dataset *dataset = find_dataset(m->world, id);
-    if (!dataset || !dataset->path)
+    const vv_operand *first = m->operation ? m->operation->inputs : NULL;
+    if (first && !first->names && !strcmp(name, first->name)) /* it stands without its name */
+        return VV_OK;
+    if (!has_data(dataset))
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", id);
-    put_other(m->out, m->world, name, id, vvi_job_registry(m->job));
+    put_other(m->out, m->world, name, id, m->job);
     return VV_OK;
+}
+
+static vv_status step_params(vv_object **out, const vv_world *world, const step *s, vv_job *job)
+{
+    vvi_made made;
+    if (!s->made)
+        return vvi_request_parameters(out, s->operation, s->parameters, world, find_dataset(world, s->source),
+                                      vvi_job_registry(job), job);
+    vv_status st = vvi_made_open(&made, world, s->made, job);
+    if (st == VV_OK && (st = vvi_made_params(out, &made, job)) == VV_OK && s->operation->inputs[0].names)
+        st = vv_path_unset(out, s->operation->inputs[0].names, NULL); /* the inputs say it */
+    vvi_made_close(&made);
+    return st;
 }
 
 static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, const char *id, const char *suffix,
                           vv_job *job)
 {
-    const vv_registry *registry = vvi_job_registry(job);
-    const vv_dataset *source = find_dataset(world, s->source);
     vv_object *params = NULL;
-    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
+    vv_status st = step_params(&params, world, s, job);
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
         if (!s->operation->inputs[0].names || !s->inputs)
-            put_input(out, world, s->source, registry);
-        st = for_others(s->inputs, visit_other, &(making){out, world, 0, job});
+            put_input(out, world, s->source, job);
+        st = for_others(s->inputs, visit_other, &(making){out, world, 0, job, s->operation});
     }
     if (st == VV_OK && (st = put_options(out, params)) == VV_OK) {
         vvi_text_add(out, " -o ");
@@ -213,17 +250,18 @@ static vv_status put_making_of(making *m, const char *id)
 {
     const vv_dataset *d = find_dataset(m->world, id);
     const vv_operation *operation = d ? made_by(m->world, d, vvi_job_registry(m->job)) : NULL;
-    if (!operation || is_put(m->out, id, suffix_of(d->path)))
+    if (!operation || is_put(m->out, id, suffix_of(d, m->job)))
         return VV_OK;
     if (m->depth == STEPS_MOST) /* a scene may name datasets in a ring */
         return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
-    const step s = {operation, d->source, d->parameters, d->inputs};
+    const step s = {operation, source_of(m->world, d, operation), d->parameters, d->inputs,
+                    vv_dataset_is_made(d) ? d : NULL};
     m->depth++;
-    vv_status st = put_making_of(m, d->source);
+    vv_status st = put_making_of(m, s.source);
     if (st == VV_OK)
         st = for_others(d->inputs, visit_making, m);
     m->depth--;
-    if (st != VV_OK || (st = put_step(m->out, m->world, &s, id, suffix_of(d->path), m->job)) != VV_OK)
+    if (st != VV_OK || (st = put_step(m->out, m->world, &s, id, suffix_of(d, m->job), m->job)) != VV_OK)
         return st;
     vvi_text_add(m->out, "\n");
     return VV_OK;
@@ -231,7 +269,7 @@ static vv_status put_making_of(making *m, const char *id)
 
 static vv_status put_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
-    return put_making_of(&(making){out, world, 0, job}, id);
+    return put_making_of(&(making){out, world, 0, job, NULL}, id);
 }
 
 /* An operation that is about to be run. */
@@ -239,13 +277,13 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     const vv_dataset *dataset = find_dataset(r->world, r->dataset);
-    const step s = {r->operation, r->dataset, r->parameters, r->inputs};
+    const step s = {r->operation, r->dataset, r->parameters, r->inputs, NULL};
     vvi_text text = {0};
-    if (!dataset || !dataset->path)
+    if (!has_data(dataset))
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     const char *suffix;
-    vv_status st = vvi_request_suffix(&suffix, r->operation, dataset, job);
-    making lines = {&text, r->world, 0, job};
+    vv_status st = vvi_request_suffix(&suffix, r->operation, r->world, dataset, job);
+    making lines = {&text, r->world, 0, job, NULL};
     if (st == VV_OK && (st = put_making_of(&lines, r->dataset)) == VV_OK &&
         (st = for_others(r->inputs, visit_making, &lines)) == VV_OK)
         st = put_step(&text, r->world, &s, "result", suffix, job);
@@ -356,9 +394,12 @@ static const char *only_shown(const vv_world *world)
 }
 
 /* What the line's file is without options. */
-static vv_status base_world(vv_world **out, const vv_dataset *dataset, vv_job *job)
+static vv_status base_world(vv_world **out, const vv_world *world, const char *id, vv_job *job)
 {
     vv_read_options options;
+    const vv_dataset *dataset = find_dataset(world, id);
+    if (vv_dataset_is_made(dataset))
+        return vvi_world_for_dataset(out, world, id, job);
     if (vv_dataset_is_mesh(dataset, job))
         return vvi_world_for_mesh(out, dataset->path, dataset->format, dataset->part, job);
     vv_read_options_init(&options, sizeof options);
@@ -372,13 +413,13 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
 {
     vv_world *before = NULL;
     const vv_dataset *dataset = find_dataset(r->world, id);
-    const vv_status st = base_world(&before, dataset, job);
+    const vv_status st = base_world(&before, r->world, id, job);
     if (st != VV_OK)
         return st;
     comparing c = {.now = r->world, .before = before, .out = text, .view = r->view};
     c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : before->datasets->entry[0].id;
     vvi_text_add(text, "volvis render ");
-    put_input(text, r->world, id, vvi_job_registry(job));
+    put_input(text, r->world, id, job);
     vvi_text_add(text, " -o picture.png");
     vv_path_each(&r->world->base, compare, &c);
     vv_object_release(&before->base);
@@ -392,7 +433,7 @@ static vv_status run_command(vvi_task *task, vv_job *job)
     const char *id = only_shown(r->world);
     const vv_dataset *dataset = find_dataset(r->world, id);
     vvi_text text = {0};
-    bool beyond = !dataset || !dataset->path;
+    bool beyond = !has_data(dataset);
     vv_status st = beyond ? VV_OK : put_making(&text, r->world, id, job);
     if (!beyond && st == VV_OK)
         st = put_picture(&text, &beyond, r, id, job);

@@ -90,15 +90,27 @@ static vv_status run_open(vvi_task *task, vv_job *job)
         st = vvi_session_check_files(r->session, made);
     if (st == VV_OK)
         st = note_schema(r, made);
-    if (st == VV_OK && r->add)
-        st = vvi_world_merge(&r->world, made, job);
-    if (st == VV_OK && !r->add) {
+    if (st == VV_OK) {
         vv_object_release(&r->world->base);
         r->world = made;
         made = NULL;
     }
     if (made)
         vv_object_release(&made->base);
+    return st;
+}
+
+/* What was opened beside what the World has by now: others have gone on while it was read. */
+static vv_status add_to_world(vvi_request *r)
+{
+    vv_world *world = vv_model_snapshot(r->session->model);
+    vv_status st = VV_OK;
+    if (world->volumes->n > 0 &&
+        (st = vvi_world_merge(&world, r->world, vv_runtime_registry(r->session->options.runtime))) == VV_OK) {
+        vv_object_release(&r->world->base);
+        r->world = (vv_world *)vv_object_retain(&world->base);
+    }
+    vv_object_release(&world->base);
     return st;
 }
 
@@ -111,6 +123,8 @@ static void done_open(vvi_task *task, vv_status st)
         free(r->session->warnings);
         r->session->warnings = NULL;
     }
+    if (st == VV_OK && r->add)
+        st = add_to_world(r);
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "model/context.h"
 #include "model/dataset.h"
+#include "scene/load.h"
 #include "server/request.h"
 
 #include <stdlib.h>
@@ -106,10 +107,11 @@ vv_status vvi_request_name_inputs(vvi_request *r)
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
 
-vv_status vvi_request_open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     *out = NULL;
-    return dataset->path && !dataset->fields ? vvi_dataset_open(out, dataset, job) : VV_OK;
+    const bool there = (dataset->path && !dataset->fields) || vv_dataset_is_made(dataset);
+    return there ? vvi_dataset_open(out, world, dataset, job) : VV_OK;
 }
 
 void vvi_request_close_inputs(vvi_request_inputs *inputs)
@@ -128,18 +130,19 @@ static const char *word_of(unsigned is)
 }
 
 /* What is shown is in memory; of a series all time steps go through, where samples are made of it. */
-static vv_status open_data(vv_run_input *out, const vv_dataset *dataset, bool series, vv_job *job)
+static vv_status open_data(vv_run_input *out, const vv_world *world, const vv_dataset *dataset, bool series,
+                           vv_job *job)
 {
     vv_mesh *mesh = NULL;
     vv_field *field = NULL;
     if (vv_dataset_is_mesh(dataset, job)) {
-        const vv_status st = vv_dataset_mesh(&mesh, dataset, job);
+        const vv_status st = vv_dataset_mesh(&mesh, world, dataset, job);
         out->mesh = mesh;
         return st;
     }
-    vv_status st = vvi_request_open_origin(&out->file, dataset, job);
+    vv_status st = vvi_request_open_origin(&out->file, world, dataset, job);
     if (st == VV_OK && (!out->file || !series || vv_file_info(out->file)->n_frames == 1))
-        st = vv_dataset_field(&field, dataset, NULL, 0, job);
+        st = vv_dataset_field(&field, world, dataset, NULL, 0, job);
     out->field = field;
     return st;
 }
@@ -168,7 +171,7 @@ static vv_status open_input(vvi_request_inputs *out, const vvi_request *r, const
                        word_of(is));
     *input = (vv_run_input){.frame = -1, .name = own_name(all, data)};
     out->n++;
-    return open_data(input, dataset, vv_operation_makes(r->operation) == VV_IS_FIELD, job);
+    return open_data(input, r->world, dataset, vv_operation_makes(r->operation) == VV_IS_FIELD, job);
 }
 
 /* All of those that have names of their own, the dataset among them by any of them. */

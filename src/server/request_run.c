@@ -21,16 +21,17 @@ static const vv_dataset *dataset_of(const vvi_request *r)
 }
 
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
-                                 const vv_dataset *dataset, const vv_registry *registry, vv_job *job)
+                                 const vv_world *world, const vv_dataset *dataset, const vv_registry *registry,
+                                 vv_job *job)
 {
     vv_property_context context = vvi_registry_context(registry);
     vv_field_info info;
     vv_mesh *mesh = NULL;
     vv_status st;
     if (vv_dataset_is_mesh(dataset, job)) {
-        if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK)
+        if ((st = vv_dataset_mesh(&mesh, world, dataset, job)) == VV_OK)
             context.length_unit = vv_mesh_get_info(mesh)->unit;
-    } else if ((st = vv_dataset_info(&info, dataset, job)) == VV_OK) {
+    } else if ((st = vv_dataset_info(&info, world, dataset, job)) == VV_OK) {
         context.length_unit = info.grid.unit;
         context.voxel = vv_grid_voxel(&info.grid);
     }
@@ -55,13 +56,14 @@ static const char *volume_suffix(const vv_file *origin, vv_job *job)
     return format && format->takes_origin && format->write ? format->suffixes[0] : ".nrrd";
 }
 
-vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_world *world,
+                             const vv_dataset *dataset, vv_job *job)
 {
     vv_file *origin = NULL;
     *out = ".ply";
     if (!makes_volume(operation))
         return VV_OK;
-    const vv_status st = vvi_request_open_origin(&origin, dataset, job);
+    const vv_status st = vvi_request_open_origin(&origin, world, dataset, job);
     *out = volume_suffix(origin, job);
     vv_file_close(origin);
     return st;
@@ -169,7 +171,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = dataset_of(r);
     if (!dataset)
         return VV_E_NOT_FOUND;
-    vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
+    vv_status st = vvi_request_parameters(&r->params, o, r->parameters, r->world, dataset,
                                           vv_runtime_registry(r->session->options.runtime), job);
     if (st == VV_OK)
         st = vvi_request_name_inputs(r);

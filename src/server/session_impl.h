@@ -376,6 +376,7 @@ vv_status vvi_request_proposals(vvi_client *client, int64_t id, const json_t *me
 vv_status vvi_request_thumbnail(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_measure(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message);
 

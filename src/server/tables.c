@@ -1,6 +1,6 @@
 #include "server/tables.h"
 #include "input/method.h"
-#include "render/common/presets.h"
+#include "scene/presets.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,8 +8,9 @@
 #include <volvis/model.h>
 #include <volvis/render.h>
 
-static const char *const kinds[] = {"bool",   "integer", "number",  "enum",   "string", "path", "reference",
-                                    "vector", "color",   "numbers", "object", "list",   "map",  "variants"};
+static const char *const kinds[] = {"bool",  "integer", "number", "enum", "string", "path",     "reference", "vector",
+                                    "color", "numbers", "object", "list", "map",    "variants", "members"};
+_Static_assert(sizeof kinds / sizeof *kinds == VV_KIND_MEMBERS + 1, "a kind of property has no name");
 static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
 
 enum { CLASSES_MOST = 128 };

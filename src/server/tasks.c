@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "core/os.h"
+#include "io/source.h"
 #include "server/session.h"
 
 #include <errno.h>
@@ -29,7 +30,10 @@ static bool note_progress(void *user, const vv_progress *progress)
 
 static void run_task(const vvi_worker *w, vvi_task *task)
 {
+    const unsigned faults = vvi_mapping_faults();
     task->status = w->job ? task->run(task, w->job) : vv_fail(VV_E_MEMORY, "there is not enough memory for a job");
+    if (task->status == VV_OK && !task->stays) /* what changes the World or the disk asks its own samples */
+        task->status = vvi_mapping_check_since(faults);
     if (task->status != VV_OK)
         vvi_error_take(&task->error);
 }

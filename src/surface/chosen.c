@@ -1,7 +1,7 @@
 #include "surface/chosen.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
-#include "surface/normals.h"
+#include "grid/mesh_normals.h"
 
 #include <string.h>
 

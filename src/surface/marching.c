@@ -4,9 +4,9 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "grid/mesh_normals.h"
 #include "surface/marching_blocks.h"
 #include "surface/marching_plan.h"
-#include "surface/normals.h"
 
 #include <math.h>
 #include <string.h>

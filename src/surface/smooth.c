@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
-#include "surface/normals.h"
+#include "grid/mesh_normals.h"
 #include "surface/places.h"
 #include "surface/smooth_filter.h"
 #include "surface/smooth_volume.h"

@@ -3,9 +3,9 @@
 #include "surface/tracking.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/mesh_normals.h"
 #include "surface/cell.h"
 #include "surface/marching_plan.h"
-#include "surface/normals.h"
 #include "surface/tracked.h"
 
 #include <stdlib.h>

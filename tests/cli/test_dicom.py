@@ -1,5 +1,6 @@
 """DICOM folders and files, made by pydicom and GDCM and checked by them, numpy and nibabel."""
 import itertools
+import json
 import os
 import random
 import shutil
@@ -263,6 +264,22 @@ def test_one_slope_keeps_what_is_stored_and_many_make_floats():
     got, _, info = read("p")
     assert info["type"] == "f32" and info["value_unit"] == "Bq/ml"
     assert numpy.allclose(got, samples * (numpy.arange(4) + 0.5)[:, None, None])
+
+
+def test_emission_is_seen_as_the_largest_on_each_ray_whatever_its_unit():
+    """The terms of DICOM for units (C.8.9.1.1.3), as everybody writes them; PT is shown as its readers do."""
+    need()
+    for term, unit in (("BQML", "Bq/ml"), ("GML", "g/ml"), ("CNTS", "counts"), ("PROPCNTS", "PROPCNTS"), ("NONE", ""), (None, "")):
+        shutil.rmtree("s", ignore_errors=True)
+        series("s", volume(kind="<u2"), Modality="PT", **({"Units": term} if term else {}))
+        assert ok("info", "s", "--json").json["value_unit"] == unit, term
+        ok("render", "s", "-o", "a.png", "--overwrite", "--size", "8", "--save-scene", "s.vv.json")
+        with open("s.vv.json") as file:
+            assert json.load(file)["views"]["main"]["render"]["raycast"]["mode"] == "maximum", term
+    shutil.rmtree("s")
+    series("s", volume(kind="<u2"), Modality="MR")
+    said = ok("render", "s", "-o", "a.png", "--overwrite", "--size", "8", "-v").message
+    assert 'mode = "maximum"' not in said, said
 
 
 def test_padding_is_kept_and_told():

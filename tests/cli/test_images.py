@@ -302,4 +302,20 @@ def test_other_words_for_a_colour_map_are_saved_by_its_name():
     assert [volume["segmentation"]["transfer"]["colormap"], volume["slices"]["colormap"]] == ["gray", "gray"]
 
 
+def test_a_steep_part_among_many_values_is_seen_exactly_at_every_quality():
+    """From 2000 to 2001 of 4000 values: 10 lengths of one value have the opacity 1 - (1 - o)^10. Values run across the picture."""
+    column = [0, 0, 2000, 2001, 4000, 4000]
+    x = 2.5 + (numpy.arange(600) + 0.5 - 300) / 100
+    steep = (x > 2.02) & (x < 2.98)
+    want = 1 - (1 - 0.5 * (x - 2)) ** 10
+    for kind in ("i2", "u2", "i4", "f4"):
+        numpy.save("steep.npy", numpy.tile(numpy.array(column, kind), (5, 11, 1)))
+        for quality in ("normal", "high", "reference"):
+            ok("render", "steep.npy", "-o", "steep.exr", "--overwrite", "--bits", "32", "--size", "600x12", "--spp", "1", "--no-shading",
+               "--background", "transparent", "--quality", quality, "--view", "front", "--at", "2.5,5,2", "--parallel", "0.12",
+               "--tf", "0:0#000 2000:0#f00 2001:0.5#0f0 4000:0.5#00f")
+            alpha = exr.read("steep.exr")[1]["A"][6]
+            assert numpy.abs(alpha - want)[steep].max() < 5e-3, (kind, quality, numpy.abs(alpha - want)[steep].max())
+
+
 main()

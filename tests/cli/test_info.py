@@ -372,6 +372,22 @@ def test_range_mean_and_the_name_in_a_scene():
     ok("render", "8_annotation.nrrd", "-o", "a.png", "--size", "8x8", "--set", "volumes.v8_annotation.visible=true")
 
 
+def test_whole_numbers_are_told_with_all_their_digits():
+    write_nrrd("ids.nrrd", (4, 5, 6), lambda x, y, z: 3000000001 * (x == 3) + 5 * y, kind="uint32", code="I")
+    assert row(ok("info", "ids.nrrd").text, "range").startswith("0 to 3000000021, mean 7.5")
+    assert row(ok("info", "ids.nrrd", "--stats").text, "range") == "0 to 3000000021"
+
+
+def test_a_scale_is_told_as_a_formula_without_idle_parts():
+    write_nrrd("plain.nrrd", (4, 5, 6), lambda x, y, z: x)
+    for scale, offset, want in ((1, -1024, "stored - 1024"), (0.5, 0, "stored * 0.5"), (2, 3, "stored * 2 + 3")):
+        with open("plain.nrrd", "rb") as file:
+            header, samples = file.read().split(b"\n\n", 1)
+        with open("scaled.nrrd", "wb") as file:
+            file.write(header + b"\nvolvis value scale:=%g\nvolvis value offset:=%g\n\n" % (scale, offset) + samples)
+        assert row(ok("info", "scaled.nrrd").text, "values") == want, want
+
+
 def test_large_data_are_looked_at_only_when_asked():
     with open("large.raw", "wb") as file:
         file.truncate(512 * 512 * 512)
@@ -468,6 +484,17 @@ def test_names_that_a_terminal_would_obey_are_masked():
         for said in (result.text, result.message):
             assert not any(c < " " and c != "\n" or c == "\x7f" for c in said), (words, said)
         assert "\nb.nrrd" not in result.text, (words, result.text)
+
+
+def test_units_that_a_terminal_would_obey_are_masked():
+    header = ("NRRD0005\ntype: uint8\ndimension: 3\nsizes: 6 6 6\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+              'space units: "m\x1bm" "m\x1bm" "m\x1bm"\nsample units: "H\x1b[31mU"\nencoding: raw\n\n')
+    with open("units.nrrd", "wb") as file:
+        file.write(header.encode() + bytes(200 * (i % 6 > 2 and i // 6 % 6 > 2 and i > 107) for i in range(216)))
+    for words in (("info",), ("measure", "statistics"), ("measure", "labels"), ("measure", "volume", "--threshold", "9.."),
+                  ("isosurface", "-o", "a.ply", "--overwrite", "--iso", "9"), ("convert", "-o", "a.tif", "--overwrite")):
+        run = ok(*words[:1], *words[1:2] * (words[0] == "measure"), "units.nrrd", *words[1 + (words[0] == "measure"):])
+        assert "\x1b" not in run.text + run.message, words
 
 
 def test_damaged_samples_have_one_exit_code():

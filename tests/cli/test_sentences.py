@@ -34,6 +34,14 @@ def test_windows_of_values_are_refused_in_the_words_that_were_typed():
     ok(*convert("--range", "9,3", "--type", "u8"))
 
 
+def test_points_are_refused_in_the_words_that_were_typed():
+    write_ball()
+    for option, typed in (("--eye", "1,2"), ("--at", "1,2,3,4"), ("--up", "y"), ("--cross-hair", "5")):
+        more = ["--slice", "axial"] if option == "--cross-hair" else []
+        refused(["render", "head.nrrd", "-o", "a.png", option, typed, *more], f"{option}: expected three numbers X,Y,Z, found '{typed}'")
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--eye", "1mm,-9cm,2", "--up", "0,0,1")
+
+
 def test_lengths_that_are_none_are_refused_by_all_verbs():
     with open("far.nrrd", "wb") as file:
         file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1e308 1 1\nencoding: raw\n\n" + bytes(8))
@@ -326,8 +334,8 @@ def test_what_there_is_is_listed_where_nothing_is_near():
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", "iso"), "raycast, surface, reduced, boxes and slice")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--caption", "{foo}"), "file, title, dims", "version")
     says(ok("help", "render").text.replace("\n", " "), "cross-hair", "{elevation}")
-    says(ok("presets", "bone").text, "bones in CT", "X-ray")
-    says(ok("presets", "grey").text, "gray")
+    says(ok("presets", "bone").text, "Transfer functions: ", "bones in CT", "\n\nColour maps ", "X-ray")
+    assert ok("presets", "grey").text.startswith("Colour maps") and "gray" in ok("presets", "grey").text
     says(fails(2, "presets", "bnoe"), "did you mean 'bone'?")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--set", "volumes.head.segmentation.transfer.preset=hot"),
          "colour map", "colormap=hot")
@@ -337,6 +345,8 @@ def test_junk_with_the_suffix_of_nrrd_is_not_nrrd():
     with open("junk.nrrd", "wb") as file:
         file.write(bytes(i * 7 % 255 + 11 for i in range(20, 24)) * 200)
     says(fails(3, "info", "junk.nrrd"), "is not a NRRD file", "NRRD0001")
+    os.rename("junk.nrrd", "junk.vti")
+    says(fails(3, "info", "junk.vti"), "junk.vti:1: is not XML: ")
 
 
 def test_what_is_to_blame_is_named():
@@ -356,6 +366,18 @@ def test_verbose_tells_what_was_chosen():
          'views.main.render.method = "raycast"', 'views.main.render.raycast.mode = "composite"')
     said = ok("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "-v", "--slice", "axial").message
     says(said, "volumes.head.slices.window_lo = ", 'views.main.render.method = "slice"', 'slice.orientation = "axial"')
+
+
+def test_verbose_names_the_colour_map_and_rounds_numbers():
+    write_ball()
+    def told(*words):
+        lines = ok("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "-v", *words).message.splitlines()
+        assert max(len(number) for line in lines if " = [" in line for number in line.split(" = ")[1].split()) < 20, lines
+        return next(line.split("transfer.color")[1] for line in lines if "transfer.color" in line)
+    assert told("--tf", "fitted").startswith(": tissue, from ")
+    assert told("--mode", "mip").startswith(": gray, from ")
+    assert told("--tf", "hot") == 'map = "hot"'
+    assert told("--tf", "10:0#ff0000 200:1#ffffff") == " = [[10, 1, 0, 0], [200, 1, 1, 1]]"
 
 
 def test_rescale_says_what_its_type_cannot_hold():

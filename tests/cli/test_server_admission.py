@@ -10,6 +10,7 @@ import socket
 import ssl
 import stat
 import subprocess
+import time
 
 import served
 from harness import Skip, fails, main, says, write_ball
@@ -275,6 +276,11 @@ def test_the_browser_is_given_a_file_whose_link_lets_in_once_and_no_list_of_prog
     write_ball("ball.nrrd", 8)
     before = {name: os.environ.get(name) for name in ("PATH", "DISPLAY")}
     os.environ.update(PATH=browser_that_notes(), DISPLAY=":0")
+    os.makedirs("state/volvis", mode=0o700)
+    of_killed, of_others = f"state/volvis/open-{'0' * 16}.html", f"state/volvis/open-{'1' * 16}.html"
+    for path, age in ((of_killed, 7200), (of_others, 60)):
+        with open(path, "w", encoding="ascii"):
+            os.utime(path, (time.time() - age,) * 2)
     try:
         with Server("ball.nrrd", verb="view", browser=True) as server:
             wait_for(lambda: os.path.exists("argv"), "a browser is started")
@@ -284,7 +290,9 @@ def test_the_browser_is_given_a_file_whose_link_lets_in_once_and_no_list_of_prog
             assert mode == "600" and launch[2] not in words and server.token not in words + link, (mode, words, link)
             with open(f"/proc/{server.process.pid}/cmdline", "rb") as cmdline:
                 assert server.token.encode() not in cmdline.read()
-            assert os.path.exists(words)
+            assert os.path.exists(words) and os.path.exists(of_others)
+            assert not os.path.exists(of_killed), "what a killed program has left stays"
+            assert server.request("/files/1/x", Authorization=f"Bearer {launch[2]}")[0] == 403, "the link is a token"
             server.cookie(launch[2])
             assert not os.path.exists(words), "the file stays"
             assert server.request("/session", json.dumps({"token": launch[2]}).encode())[0] == 403, "it lets in twice"

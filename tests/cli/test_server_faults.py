@@ -123,6 +123,35 @@ def test_a_file_that_shrinks_while_it_is_rendered_is_a_sentence():
     assert codes <= {0, 3, 4, 7}, codes
 
 
+def test_figures_of_a_file_that_shrinks_meanwhile_are_not_told():
+    """Two slices, so that nobody asks for more samples after the first ones were found to be gone."""
+    for name in ("whole.nrrd", "b.nrrd"):
+        with open(name, "wb") as file:
+            file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5000 4000 2\nencoding: raw\n\n" + b"\7" * 40000000)
+
+    def shrink_when_mapped(process):
+        maps = f"/proc/{process.pid}/maps"
+        while process.poll() is None:
+            with open(maps, encoding="ascii") as file:
+                if "a.nrrd" in file.read():
+                    os.truncate("a.nrrd", 4096)
+                    return
+    codes = []
+    for _ in range(30):
+        shutil.copyfile("whole.nrrd", "a.nrrd")
+        process = subprocess.Popen([VOLVIS, "compare", "a.nrrd", "b.nrrd"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment())
+        try:
+            shrink_when_mapped(process)
+        except OSError:
+            pass  # it has ended
+        out, said = process.communicate(timeout=60)
+        codes.append(process.returncode)
+        assert process.returncode == 3 and b"shrank" in said and not out or b"nothing differs" in out, (process.returncode, out, said)
+        if codes.count(3) == 3:
+            return
+    raise AssertionError(f"it was always too quick: {codes}")
+
+
 # Journals ------------------------------------------------------------------------------------------------------------
 
 def leave_a_journal(*words):
@@ -167,6 +196,24 @@ def test_a_journal_that_cannot_be_played_is_kept_and_told():
                 assert not told(page, "later changes are lost", "warning")
         run(again())
     assert n >= 4
+
+
+def test_what_others_change_while_a_file_is_opened_beside_stays():
+    write_ball("a.nrrd", 16)
+    write_ball("b.nrrd", 20)
+
+    async def work(server):
+        async with Page(server, 64, 64) as opener, Page(server, 64, 64) as other:
+            for i in range(6):
+                opener.ids += 1
+                await opener.say("open", id=opener.ids, path="b.nrrd", add=True)
+                await other.edit(("set", "title", f"title {i}"), ("set", "datasets.a.title", f"data {i}"))
+                await opener.until(lambda: any(m["type"] == "answer" and m["id"] == opener.ids and m["ok"] for m in opener.messages))
+                await opener.until(lambda: len(opener.world["world"]["datasets"]) == i + 2)
+                world = opener.world["world"]
+                assert (world.get("title"), world["datasets"]["a"].get("title")) == (f"title {i}", f"data {i}"), world
+    with Server("a.nrrd", "--root", ".", verb="serve") as server:
+        run(work(server))
 
 
 # Full disks ----------------------------------------------------------------------------------------------------------

@@ -275,9 +275,59 @@ def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
                         server.request(f"/files/{urllib.parse.quote(name)}", data, method="PUT", Cookie=server.cookie())
                         [path] = [os.path.join(at, name) for at, _, names in os.walk("state") if name in names]
                         assert "import program" in await page.refused("open", path=os.path.abspath(path))
+                    await page.edit(("set", "volumes.ball.texture", {"kind": "image", "image": os.path.abspath("a/pic.png")}))
+                    await page.resting()
+                    assert not errors(page)
+                    await page.edit(("set", "volumes.ball.texture.image", os.path.abspath(path)))  # the picture that was uploaded
+                    await page.until(lambda: errors(page))
+                    assert "import program" in errors(page)[0], errors(page)
             run(viewed())
     finally:
         harness.VOLVIS = pages.VOLVIS = whole
+
+
+def errors(page, level="error"):
+    return [m["text"] for m in page.messages if m["type"] == "notice" and m["level"] == level]
+
+
+def test_pictures_on_volumes_are_read_by_the_import_program_and_are_what_they_were():
+    os.makedirs("a")
+    write_ball("a/ball.nrrd", 16)
+    for suffix in PICTURES[:-1]:
+        ok("render", "a/ball.nrrd", "--size", "16", "--background", "#804020", "-o", f"a/pic.{suffix}")
+
+    async def drawn(server):
+        found = {}
+        async with Page(server, 64, 64) as page:
+            for suffix in PICTURES[:-1]:
+                await page.edit(("set", "volumes.ball.texture", {"kind": "image", "image": os.path.abspath(f"a/pic.{suffix}")}))
+                found[suffix] = (await page.resting()).data
+            assert not errors(page), errors(page)
+        return found
+    with Server("a/ball.nrrd", "--root", "a", verb="serve") as server, Server("a/ball.nrrd", state="other") as own:
+        assert run(drawn(server)) == run(drawn(own))
+
+
+def test_a_font_below_the_root_is_read_only_where_it_was_given():
+    os.makedirs("a")
+    write_ball("a/ball.nrrd", 16)
+    font = next((os.path.join(at, name) for at, _, names in os.walk("/usr/share/fonts") for name in sorted(names)
+                 if name.endswith(".ttf") and ("Bold" in name or "Black" in name)), None)
+    if not font:
+        raise harness.Skip("there is no other font")
+    shutil.copy(font, "a/font.ttf")
+
+    async def drawn(server, path):
+        async with Page(server, 200, 100) as page:
+            await page.edit(("set", "views.main.decorations.caption", "mmmm iiii"))
+            before = (await page.resting()).data
+            await page.edit(("set", "views.main.decorations.font", path))
+            return (await page.resting()).data != before, errors(page), errors(page, "warning")
+    for words, given in (((), False), (("--set", f"views.main.decorations.font={os.path.abspath('a/font.ttf')}"), True)):
+        with Server("a/ball.nrrd", "--root", "a", *words, state=f"state{given}", verb="serve") as server:
+            changed, failed, warned = run(drawn(server, os.path.abspath("a/font.ttf")))
+            assert not failed, failed
+            assert bool(warned) != given and (given or (not changed and "a font is read here only" in warned[0])), (changed, warned)
 
 
 if __name__ == "__main__":

@@ -202,7 +202,7 @@ def test_other_inputs_are_given_by_name():
         dataset, lines = run(work())
         with open(dataset["path"], "rb") as page, open("program.ply", "rb") as program:
             assert page.read() == program.read()
-    assert json.loads(dataset["inputs"]) == {"values": "ramp"}
+    assert dataset["inputs"] == {"values": "ramp"}
     says(lines, " values='", "ramp.nrrd' -o 'ball-isosurface-2.ply'")
 
 

@@ -41,6 +41,41 @@ def test_what_lies_below_the_window_of_an_overlay_is_clear():
     assert all(same[8 * y + x] == (x < 4) for y in range(8) for x in range(8)), same  # x runs to the left
 
 
+def test_an_overlay_is_the_same_picture_again():
+    """Its window is worked out, with values below it: they are not clear in the picture's scene either."""
+    write_nrrd("under.nrrd", (8, 8, 8), lambda x, y, z: 100 + x)
+    write_nrrd("over.nrrd", (20, 20, 20), lambda x, y, z: 1 if 8 < x < 12 and 8 < y < 12 and z == 10 else 100 + x + 3 * y)
+    for extra in ([], ["--tf", "over=hot"], ["--range", "over=50..200"], ["--set", "volumes.over.slices.clear_below=true"]):
+        ok("render", "under.nrrd", "over.nrrd", "-o", "a.png", "--overwrite", *SMALL, "--slice", "axial", *extra)
+        ok("render", "a.png", "-o", "b.png", "--overwrite")
+        assert contents("a.png") == contents("b.png"), extra
+
+
+def pixel_of(*words):
+    """The light of a picture of one pixel."""
+    ok("render", *words, "-o", "one.pfm", "--overwrite", "--size", "1", "--slice", "axial", "--set", "views.main.camera.height=1")
+    with open("one.pfm", "rb") as file:
+        return struct.unpack("<3f", file.read()[-12:])
+
+
+def test_a_map_of_activity_has_its_own_colours():
+    """Where what is weak is clear, what is strong is seen whole; what covers everything lets half through."""
+    write_nrrd("under.nrrd", (8, 8, 8), lambda x, y, z: 200)
+    write_nrrd("over.nrrd", (8, 8, 8), lambda x, y, z: 6)
+    write_nrrd("signed.nrrd", (8, 8, 8), lambda x, y, z: 6, kind="int16", code="h")
+    red = pixel_of("over.nrrd", "--tf", "hot", "--range", "2..8")
+    seen = pixel_of("under.nrrd", "over.nrrd", "--window", "under=0..200", "--tf", "over=hot", "--range", "over=2..8")
+    assert max(abs(a - b) for a, b in zip(red, seen)) < 1e-6, (red, seen)
+    blue = pixel_of("signed.nrrd", "--tf", "coolwarm", "--range=-8..8")
+    seen = pixel_of("under.nrrd", "signed.nrrd", "--window", "under=0..200", "--tf", "signed=coolwarm", "--range", "signed=-8..8")
+    assert max(abs(a - b) for a, b in zip(blue, seen)) < 1e-6, (blue, seen)
+    write_nrrd("plain.nrrd", (8, 8, 8), lambda x, y, z: 200 if x > 1 else 0)
+    half = pixel_of("under.nrrd", "plain.nrrd", "--window", "under=200..400")
+    assert all(abs(c - 0.5) < 1e-6 for c in half), half  # white over black
+    quarter = pixel_of("under.nrrd", "over.nrrd", "--window", "under=0..200", "--tf", "over=hot", "--range", "over=2..8", "--opacity", "over=25%")
+    assert all(abs(q - 0.75 - r / 4) < 1e-6 for q, r in zip(quarter, red)), quarter
+
+
 def write_image(path, n):
     header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (%d, %d), }" % (n, n)
     header += b" " * (117 - len(header)) + b"\n"

@@ -197,12 +197,12 @@ def test_operations_write_values_too():
 def test_what_is_written_is_told():
     need_all()
     scaled_file(CASES[2])
-    says(ok("convert", "in.nii", "-o", "out.nrrd").text, "7 x 5 x 3 i16, the values of i16 * 1 - 1024")
+    says(ok("convert", "in.nii", "-o", "out.nrrd").text, "7 x 5 x 3 i16, the values of i16 - 1024;")
     assert "values of" not in ok("convert", "in.nii", "-o", "out.nii").text
     assert ok("convert", "in.nii", "-o", "o.nrrd", "--json").json["type"] == "i16"
     scaled_file(CASES[5])
     says(ok("convert", "in.nii", "-o", "out.nrrd", "--overwrite", "--dry-run").text, "smallest type")
-    says(ok("convert", "in.nii", "-o", "out.nrrd", "--overwrite").text, "f32, the values of i16 * 0.5 + 0")
+    says(ok("convert", "in.nii", "-o", "out.nrrd", "--overwrite").text, "f32, the values of i16 * 0.5;")
     says(volvis("convert", "in.nii", "-o", "s.npy", "--stored").message, "scale of values")
 
 

@@ -27,7 +27,7 @@ def test_help_fits_the_terminal():
 def test_help_of_switches_that_are_on_says_what_is_taken_away():
     for verb, option in (("rescale", "clamp"), ("isosurface", "normals"), ("info", "defaults")):
         said = " ".join(ok("help", verb, env={"COLUMNS": "300"}).text.split())
-        says(said, f"--no-{option} without what is the default: ")
+        says(said, f"--no-{option} turn off: ")
         assert "default on" not in said
     says(fails(2, "info", "a.nrrd", env={"VOLVIS_DEFAULTS": defaults_of("--size 100")}), "--size", "render --size ...")
 
@@ -286,6 +286,21 @@ def test_options_that_do_nothing_to_what_is_seen_are_refused():
     assert sorted(os.listdir(".")) == ["box.ply", "head.nrrd", "organs.seg.nrrd", "rgb.png"]
 
 
+def test_options_of_operations_that_another_option_makes_idle_are_refused():
+    write_ball()
+    threshold = ["threshold", "head.nrrd", "-o", "a.nrrd", "--overwrite"]
+    says(fails(2, *threshold, "--method", "otsu", "--range", "3..5"), "--range does nothing with --method otsu", "for range or hysteresis")
+    says(fails(2, *threshold, "--range", "3..5", "--classes", "4"), "--classes does nothing with --method range", "for multi-otsu")
+    says(fails(2, *threshold, "--range", "3..5", "--strong", "4.."), "--strong does nothing with --method range")
+    says(fails(2, *threshold, "--method", "li", "--connectivity", "18"), "--connectivity does nothing with --method li")
+    ok(*threshold, "--method", "multi-otsu", "--classes", "4")
+    ok(*threshold, "--method", "hysteresis", "--range", "3..", "--strong", "9..", "--connectivity", "18")
+    grow = ["grow", "head.nrrd", "-o", "a.nrrd", "--overwrite", "--seed", "16,16,16"]
+    for words in (["--radius", "2"], ["--deviations", "2"], ["--iterations", "2"]):
+        says(fails(2, *grow, "--range", "50..", *words), "a range needs no")
+        ok(*grow, *words)
+
+
 def test_the_same_options_are_taken_where_they_do_something():
     """Each gives another picture than without it."""
     write_ball(n=16)
@@ -518,6 +533,9 @@ def test_json_of_every_list_is_valid_and_has_its_rows():
     assert {"crop", "flip", "rescale", "gaussian"} <= {o["name"] for o in ok("operations", "--json").json["operations"]}
     assert "viridis" in [p["name"] for p in ok("presets", "--json").json["presets"]]
     assert ok("schema", "--json").json["$schema"].startswith("https://json-schema.org/")
+    tables = ok("schema", "--tables", "--json").json
+    assert {"classes", "operations", "renderers", "presets", "colormaps", "methods", "bindings"} <= set(tables)
+    assert "operation.crop" in tables["classes"] and "turn" in tables["bindings"]["bindings"]
     checks = {check["check"]: check["ok"] for check in ok("doctor", "--json").json["checks"]}
     assert checks["rendering"] and "import" in checks and "seccomp" in checks and "landlock" in checks
     assert ok("doctor", "--limits", "--json").json["limits"]["dim"] > 0

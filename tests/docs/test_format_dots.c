@@ -11,17 +11,15 @@
 #include <unistd.h>
 #include <volvis/volvis.h>
 
-static const vv_format *const formats[] = {&vvi_format_dots, NULL};
+static const vv_format *const formats[] = {&format_dots, NULL};
 
-/* The built-in tables with one more format: how a program of your own would add it without touching the library. */
+/* One more format beside those that are built in: how a program of your own adds it without touching the library. */
 static vv_job *job_with_dots(void)
 {
-    static vv_registry registry;
-    registry = *vv_registry_builtin();
-    registry.formats = formats;
+    const vv_registry mine = {.formats = formats};
     vv_runtime_options options;
     vv_runtime_options_init(&options, sizeof options);
-    options.registry = &registry;
+    options.more = &mine;
     vv_runtime *runtime;
     vv_job *job;
     assert_int_equal(vv_runtime_new(&runtime, &options), VV_OK);
@@ -121,12 +119,56 @@ static void a_field_that_the_format_cannot_hold_is_refused_before_a_file_appears
     vv_job_release(job);
 }
 
+static void expect_no_runtime(const vv_format *format, vv_status status, const char *sentence)
+{
+    const vv_format *const rows[] = {&format_dots, format, NULL};
+    const vv_registry mine = {.formats = rows};
+    vv_runtime_options options;
+    vv_runtime_options_init(&options, sizeof options);
+    options.more = &mine;
+    vv_runtime *runtime = (vv_runtime *)&options;
+    assert_int_equal(vv_runtime_new(&runtime, &options), status);
+    assert_null(runtime);
+    if (!strstr(vv_error_last()->message, sentence))
+        fail_msg("'%s' does not say '%s'", vv_error_last()->message, sentence);
+}
+
+static void a_row_that_cannot_stand_in_the_table_is_refused(void **state)
+{
+    vv_format row = format_dots;
+    expect_no_runtime(&row, VV_E_ARGUMENT, "two of the name 'dots'");
+    row.name = "nrrd";
+    expect_no_runtime(&row, VV_E_ARGUMENT, "two of the name 'nrrd'");
+    row.name = NULL;
+    expect_no_runtime(&row, VV_E_ARGUMENT, "no name");
+    row.name = "dots2";
+    row.api = VV_FORMAT_API + 1;
+    expect_no_runtime(&row, VV_E_UNSUPPORTED, "the format 'dots2' is built for version 2 of its table");
+}
+
+static void rows_stand_behind_those_that_are_built_in(void **state)
+{
+    vv_job *job = job_with_dots();
+    const vv_registry *registry = vv_job_registry(job), *builtin = vv_registry_builtin();
+    size_t n = 0;
+    for (; builtin->formats[n]; n++)
+        assert_ptr_equal(registry->formats[n], builtin->formats[n]);
+    assert_ptr_equal(registry->formats[n], &format_dots);
+    assert_null(registry->formats[n + 1]);
+    for (n = 0; builtin->renderers[n]; n++)
+        assert_ptr_equal(registry->renderers[n], builtin->renderers[n]);
+    assert_null(registry->renderers[n]);
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_written_is_read_back_and_any_box_of_it),
         cmocka_unit_test(a_header_without_three_sizes_is_refused),
         cmocka_unit_test(a_header_that_promises_more_than_the_file_holds_is_refused_at_once),
+        cmocka_unit_test(a_row_that_cannot_stand_in_the_table_is_refused),
+        cmocka_unit_test(rows_stand_behind_those_that_are_built_in),
         cmocka_unit_test(a_field_that_the_format_cannot_hold_is_refused_before_a_file_appears),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

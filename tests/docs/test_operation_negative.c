@@ -33,10 +33,10 @@ static vv_field *negative_of(const vv_field *field, const char *white, vv_job *j
     const vv_property_context context = {0};
     vv_object *params;
     vv_field *out;
-    assert_int_equal(vv_object_new(&params, vvi_operation_negative.params, &context), VV_OK);
+    assert_int_equal(vv_object_new(&params, operation_negative.params, &context), VV_OK);
     if (white)
         assert_int_equal(vv_path_set(&params, "white", white, &context), VV_OK);
-    assert_int_equal(vv_operation_run(&out, &vvi_operation_negative, (const vv_field *const[]){field}, 1, params, job),
+    assert_int_equal(vv_operation_run(&out, &operation_negative, (const vv_field *const[]){field}, 1, params, job),
                      VV_OK);
     vv_object_release(params);
     return out;
@@ -81,7 +81,7 @@ static void an_unknown_parameter_is_answered_with_the_real_one(void **state)
 {
     const vv_property_context context = {0};
     vv_object *params;
-    assert_int_equal(vv_object_new(&params, vvi_operation_negative.params, &context), VV_OK);
+    assert_int_equal(vv_object_new(&params, operation_negative.params, &context), VV_OK);
     assert_int_equal(vv_path_set(&params, "wite", "1", &context), VV_E_ARGUMENT);
     assert_non_null(strstr(vv_error_last()->message, "white"));
     vv_object_release(params);

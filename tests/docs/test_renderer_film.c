@@ -10,16 +10,14 @@
 #include <string.h>
 #include <volvis/volvis.h>
 
-static const vv_renderer *const renderers[] = {&vvi_renderer_film, NULL};
+static const vv_renderer *const renderers[] = {&renderer_film, NULL};
 
 static vv_job *job_with_film(int threads)
 {
-    static vv_registry registry;
-    registry = *vv_registry_builtin();
-    registry.renderers = renderers;
+    const vv_registry mine = {.renderers = renderers};
     vv_runtime_options options;
     vv_runtime_options_init(&options, sizeof options);
-    options.registry = &registry;
+    options.more = &mine;
     options.threads = threads;
     vv_runtime *runtime;
     vv_job *job;

@@ -308,9 +308,18 @@ static void write_texts(void)
     put_text("scene", "world",
              "{\"unit\": \"mm\", \"lights\": {\"key\": {\"kind\": \"point\", \"intensity\": 2}}, \"cut_planes\": "
              "[{\"offset\": \"2cm\"}], \"views\": {\"main\": {\"width\": 64}}}");
-    put_text("path", "sets",
-             "lights.key.intensity=2\nviews.main.width=64\ncut_planes.0.offset=1.5mm\nunit=mm\nlights.key=null\n"
-             "views.main.camera.fov=30deg\nbackground=1,0,0");
+    put_text(
+        "scene", "made",
+        "{\"datasets\": {\"a\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"b\"}, \"parameters\": "
+        "{\"sigma\": "
+        "[\"1mm\", 2]}}, \"b\": {\"operation\": \"calc\", \"inputs\": {\"p\": \"a\", \"q\": \"c\"}, \"parameters\": "
+        "\"{\\\"formula\\\": \\\"p+q\\\"}\"}, \"c\": {\"operation\": \"median\", \"source\": \"d\"}, \"d\": {}}}");
+    put_text(
+        "path", "sets",
+        "lights.key.intensity=2\nviews.main.width=64\ncut_planes.0.offset=1.5mm\nunit=mm\nlights.key=null\n"
+        "views.main.camera.fov=30deg\nbackground=1,0,0\ndatasets.a.operation=median\ndatasets.a.parameters.radius=1mm\n"
+        "datasets.a.inputs={\"volume\": \"b\"}\ndatasets.a.inputs.volume=c\ndatasets.a.parameters.radius=null\n"
+        "datasets.a.inputs.volume.x=1");
     static const char *const quantities[] = {"1.5mm", "30deg",   "2s",     "8G",  "50%",
                                              "3vox",  "-1e-300", "0.1rad", "inf", "1e400"};
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {

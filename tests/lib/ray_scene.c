@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "fields.h"
 #include "jobs.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,6 @@
 // A server with the page's protocol and no VolVis behind it, for working on the page and for its tests.
 //   node mock/mock.mjs BUILTDIR [--port N] [--token T] [--empty] [--read-only] [--quick] [--held]
+// VOLVIS_TABLES names what 'volvis schema --tables' has written; the build writes it into build/tests/web.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, join } from "node:path";
@@ -11,12 +12,20 @@ import { torusFile, torusShape } from "./shape.mjs";
 import { emptyWorld, torusWorld, World } from "./world.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const tables = JSON.parse(readFileSync(join(here, "tables.json"), "utf8"));
+const tables = readTables(process.env.VOLVIS_TABLES ?? join(here, "../../build/tests/web/tables.json"));
 const TYPES = { "/": ["index.html", "text/html"], ...Object.fromEntries(["app.js", "drawing.js", "worker.js"].map((name) => [`/${name}`, [name, "text/javascript"]])), "/app.css": ["app.css", "text/css"], "/icon.svg": ["icon.svg", "image/svg+xml"] };
 const HEAD = {
   "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; form-action 'none'; base-uri 'none'",
   "X-Content-Type-Options": "nosniff", "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer",
 };
+
+function readTables(path) {
+  try {
+    return JSON.parse(readFileSync(path, "utf8"));
+  } catch (problem) {
+    throw new Error(`${path}: the tables cannot be read (${problem.message}). Build VolVis, or name in VOLVIS_TABLES what 'volvis schema --tables' wrote.`);
+  }
+}
 
 /**
  * Serves the folder `built`, by words as above; { url, down, up, stop }. held: a job goes on until it is cancelled.

@@ -5,7 +5,7 @@ export type JsonObject = { [name: string]: Json };
 
 export type Kind =
   | "bool" | "integer" | "number" | "enum" | "string" | "path" | "reference" | "vector" | "color" | "numbers"
-  | "object" | "list" | "map" | "variants";
+  | "object" | "list" | "map" | "variants" | "members";
 
 /** A row of a property table. */
 export interface Property {

@@ -127,7 +127,10 @@ export function isMesh(volume: string): boolean {
 }
 
 export function isMeshData(dataset: string): boolean {
-  return valueOf(`datasets.${dataset}.kind`) === "mesh";
+  const operation = valueOf(`datasets.${dataset}.operation`);
+  const made = operation !== undefined && valueOf(`datasets.${dataset}.path`) === undefined;
+  const gives = made ? welcome.value?.operations.find((row) => row.name === operation)?.gives : undefined;
+  return gives === "mesh" || valueOf(`datasets.${dataset}.kind`) === "mesh";
 }
 
 /** What an operation can be done to; first what the current volume shows. */

@@ -9,8 +9,10 @@
 #include <volvis/file.h>
 #include <volvis/image.h>
 #include <volvis/mesh_file.h>
+#include <volvis/operation.h>
 #include <volvis/property.h>
 #include <volvis/run.h>
+#include <volvis/sys/io.h>
 VV_BEGIN_DECLS
 
 #define VV_FORMAT_API 1
@@ -21,10 +23,6 @@ VV_BEGIN_DECLS
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
-
-typedef struct vv_source vv_source; /* bounded input: src/io/source.h */
-typedef struct vv_sink vv_sink;     /* output that appears whole or not at all: src/io/sink.h */
-typedef struct vv_notes vv_notes;   /* collects metadata and warnings: src/io/notes.h */
 
 /** A volume file format. */
 typedef struct vv_format {
@@ -47,8 +45,9 @@ typedef struct vv_format {
     bool (*mappable)(const vv_field_info *info, const void *plan);
     vv_status (*write)(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
                        vv_job *job);
-    /** Not NULL: write() makes a folder (vvi_sink_put). Whether a file by this name, below the folder, belongs to such
-     * an output: 0 no, 1 yes, 2 it marks one when it stands at the top. Only folders of such files are ever replaced.
+    /** Not NULL: write() makes a folder, as no row outside the library can yet. Whether a file by this name, below the
+     * folder, belongs to such an output: 0 no, 1 yes, 2 it marks one when it stands at the top. Only folders of such
+     * files are ever replaced.
      */
     int (*folder_file)(const char *name);
     /** Its library fails on damaged files in ways that no caller can catch: it is read by the import program where
@@ -117,16 +116,8 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
-struct vvi_surface_row; /* src/surface/isosurface.h */
-
-/** What data an operation takes or makes; bits of a set. */
-typedef enum vv_data_is { VV_IS_FIELD = 1, VV_IS_MESH = 2 } vv_data_is;
-
-/** Data of one of these: the others are NULL. */
-typedef struct vv_data {
-    vv_field *field;
-    vv_mesh *mesh;
-} vv_data;
+struct vvi_surface_row; /* of the library alone, as is the next */
+struct vvi_made_data;   /* src/model/made_data.h */
 
 /** An input of an operation. */
 typedef struct vv_operand {
@@ -145,7 +136,7 @@ typedef struct vv_operand {
 
 /** One thing that is done to data. Inputs come in the order of the row's operands, those of the last one one after the
  * other; one that is left out leaves a gap (NULL, or vv_data without data), unless no other follows it. */
-typedef struct vv_operation {
+struct vv_operation {
     int api; /**< VV_OPERATION_API */
     const char *name;
     const char *component; /**< the folder it lives in: "filter", ... */
@@ -183,7 +174,7 @@ typedef struct vv_operation {
     /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
      */
     const struct vvi_surface_row *surface;
-} vv_operation;
+};
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
 
@@ -211,7 +202,7 @@ typedef struct vv_data_kind {
 /* Renderers ----------------------------------------------------------------------------------------------------- */
 
 struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
-struct vvi_gfx;  /* a drawing on its way */
+struct vvi_gfx;  /* a drawing on its way; of the library alone */
 struct vv_actor; /* one visible volume of it */
 
 /** Pixels [x0, x1) x [y0, y1). */
@@ -284,8 +275,8 @@ typedef struct vv_renderer {
      * there is but one, its centre. *samples_out: how many there were. NULL: render() does it. */
     vv_status (*draw)(void *state, vv_image *image, int64_t samples, int64_t *samples_out, vv_render_counts *counts,
                       vv_job *job);
-    /** The same for a figure: triangles go to `gfx` (src/gfx/gfx.h), what is no triangle onto the image under them,
-     * which is clear. NULL: the figure has the picture in it. */
+    /** The same for a figure: triangles go to `gfx`, of which nothing is public yet, what is no triangle onto the image
+     * under them, which is clear. NULL: the figure has the picture in it. */
     vv_status (*figure)(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
     /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
     bool normals;
@@ -312,30 +303,20 @@ typedef struct vv_registry {
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;
+    const struct vvi_made_data *made_data; /**< how data are made of others; of the library alone */
 } vv_registry;
 
-/** Everything that is built in: src/registry.c. */
+/** Everything that is built in: src/registry.c. A program adds rows of its own by vv_runtime_options.more. */
 VV_API const vv_registry *vv_registry_builtin(void);
+/** That of the job's runtime; what is built in for NULL. */
+VV_API const vv_registry *vv_job_registry(const vv_job *job);
 /** By name; NULL, and an error with the nearest real name, when there is none. */
 VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
 /** For vv_operation.carry: samples are moved, mixed or stored in another way, and mean what they meant. */
 VV_API vv_status vv_carry_values(vv_carry *carry, const vv_object *params);
-/** The whole result of an operation that gives fields; the caller releases it. VV_E_ARGUMENT for a number of inputs
- * that it does not take, for parameters that it refuses, and for operations on or to other data. */
-VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
-                                  size_t n_inputs, const vv_object *params, vv_job *job);
-/** The same for every operation and all sorts of data: *out is what the operation makes. */
-VV_API vv_status vv_operation_make(vv_data *out, const vv_operation *operation, const vv_data *inputs, size_t n_inputs,
-                                   const vv_object *params, vv_job *job);
-VV_API vv_data_is vv_operation_makes(const vv_operation *operation);
-/** How many inputs it takes, the fewest and the most. */
-VV_API size_t vv_operation_least(const vv_operation *operation);
-VV_API size_t vv_operation_most(const vv_operation *operation);
 /** The operand that input `index` is of, in the order of operands; NULL: there are no more. */
 VV_API const vv_operand *vv_operation_operand(const vv_operation *operation, size_t index);
-VV_API void vv_data_release(vv_data *data); /* leaves it empty */
-
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
 
 VV_END_DECLS

@@ -89,7 +89,7 @@ typedef struct vv_slice_look {
     const char *colormap; /**< a name, which may be of no map */
     int blend;            /**< vv_slice_blend */
     double opacity;
-    bool clear_below;  /**< values below the window are clear: of overlays whose window somebody set */
+    bool clear_below;  /**< values below the window are clear: by themselves of overlays whose window somebody set */
     bool clear_middle; /**< the middle of the window is clear, and opacity grows away from it: of overlays about zero */
 } vv_slice_look;
 
@@ -155,6 +155,10 @@ typedef struct vv_scene {
     vv_vec3 cross_hair; /**< where slices meet: the World's, else the middle sample of the first volume */
 } vv_scene;
 
+/** Ray through a place in the picture, (0.5, 0.5) being the centre of the top left pixel; the direction has length 1.
+ */
+VV_API void vv_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width, int32_t height,
+                        double x, double y);
 /** Load what the view shows and work out what was left open. Errors name the property path. */
 VV_API vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id, vv_job *job);
 VV_API void vv_scene_release(vv_scene *scene); /* NULL is fine */

@@ -46,7 +46,7 @@ static vv_status next_line(cube *c, const char **line)
     bool end;
     vv_status st = vvi_source_line(c->source, line, LINE_MOST, &end);
     c->line++;
-    return st == VV_OK && end ? fail_line(c, "more of the header; the file is cut short") : st;
+    return st == VV_OK && end ? fail_line(c, "more of the header; the file is cut short, or no Gaussian cube") : st;
 }
 
 /* A whole number and three finite ones; *rest is what follows. */

@@ -3,7 +3,7 @@
  * format". */
 #include "core/memory.h"
 #include "core/text.h"
-#include "io/formats/hdf5.h"
+#include "io/formats/hdf5/hdf5.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

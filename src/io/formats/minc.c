@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "io/cf_axes.h"
-#include "io/formats/hdf5.h"
+#include "io/formats/hdf5/hdf5.h"
 #include "io/place.h"
 #include "io/scan.h"
 #include <math.h>

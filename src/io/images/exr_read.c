@@ -3,8 +3,8 @@
 
 #include "core/job.h"
 #include "core/memory.h"
+#include "image/image_layer.h"
 #include "io/images/image_bytes.h"
-#include "io/images/image_layer.h"
 #include "io/images/image_text.h"
 #include "io/source.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "io/sink.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  */
 #ifndef VVI_IO_IMAGE_CODES_H
 #define VVI_IO_IMAGE_CODES_H
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 
 /** How pixels become bytes. */
 typedef struct vvi_codes {

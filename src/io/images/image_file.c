@@ -297,6 +297,24 @@ vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char 
     return st;
 }
 
+static vv_status read_apart(vv_image **out, vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
+{
+    vv_text *text = NULL;
+    size_t n = 0;
+    vv_status st = vvi_import_image(out, path, job);
+    if (st != VV_OK || !text_out)
+        return st;
+    if ((st = vvi_import_image_text(&text, &n, path, job)) != VV_OK) {
+        vv_image_release(*out);
+        *out = NULL;
+        return st;
+    }
+    *text_out = text;
+    if (n_text_out)
+        *n_text_out = n;
+    return VV_OK;
+}
+
 vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
 {
     vv_source *source;
@@ -306,6 +324,8 @@ vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, 
         *text_out = NULL;
     if (n_text_out)
         *n_text_out = 0;
+    if (is_apart(path, job))
+        return read_apart(out, text_out, n_text_out, path, job);
     vv_status st = open_image(&source, &format, path, job);
     if (st != VV_OK || !format)
         return st;

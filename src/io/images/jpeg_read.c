@@ -3,7 +3,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 #include "io/images/image_text.h"
 #include "io/source.h"
 

@@ -3,8 +3,8 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/images/image_layer.h"
-#include "io/images/image_srgb.h"
+#include "image/image_layer.h"
+#include "image/image_srgb.h"
 #include "io/sink.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "io/sink.h"
 #include "io/source.h"
 #include "registry.h"

@@ -1,5 +1,5 @@
 /** @file
- * What the two halves of TIFF pictures share. Stacks of samples are a format of volumes (io/formats/tiff.h), whose
+ * What the two halves of TIFF pictures share. Stacks of samples are a format of volumes (io/formats/tiff/tiff.h), whose
  * directories, strips and codecs these are.
  */
 #ifndef VVI_IO_TIFF_IMAGE_H

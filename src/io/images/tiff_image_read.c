@@ -4,7 +4,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/formats/tiff.h"
+#include "io/formats/tiff/tiff.h"
 #include "io/images/xmp.h"
 #include "io/source.h"
 

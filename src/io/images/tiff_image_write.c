@@ -4,10 +4,10 @@
 
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/formats/tiff.h"
-#include "io/formats/tiff_write.h"
+#include "image/image_layer.h"
+#include "io/formats/tiff/tiff.h"
+#include "io/formats/tiff/tiff_write.h"
 #include "io/images/image_codes.h"
-#include "io/images/image_layer.h"
 #include "io/images/xmp.h"
 #include "io/samples.h"
 

@@ -3,8 +3,8 @@
 
 #include "core/job.h"
 #include "core/memory.h"
+#include "image/image_layer.h"
 #include "io/images/image_codes.h"
-#include "io/images/image_layer.h"
 #include "io/images/xmp.h"
 #include "io/sink.h"
 

@@ -4,7 +4,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "io/formats/zarr.h"
+#include "io/json.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/scan.h"
 #include "registry.h"
@@ -45,7 +45,7 @@ static bool numbers_at(double *out, size_t n, const json_t *object, const char *
     if (json_array_size(list) != n)
         return false;
     for (size_t i = 0; i < n; i++)
-        if (!vvi_zarr_real(&out[i], json_array_get(list, i)))
+        if (!vvi_json_real(&out[i], json_array_get(list, i)))
             return false;
     return true;
 }
@@ -300,7 +300,7 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
     vv_status st = VV_OK;
     if (r->counting && r->n_objects++ % 4096 == 0 && (st = check_counts(r)) != VV_OK)
         return st;
-    if (mode_at && !vvi_zarr_whole(&mode, mode_at))
+    if (mode_at && !vvi_json_whole(&mode, mode_at))
         return vvi_gltf_fail(&r->g, "a primitive has a 'mode' that is not a number");
     if (mode < TRIANGLES || mode > FAN) {
         r->n_other += !r->counting;
@@ -361,7 +361,7 @@ static vv_status read_node(reader *r, const json_t *index, const vv_affine *abov
     const json_t *nodes = json_object_get(r->g.root, "nodes");
     int64_t n;
     vv_affine own;
-    if (!vvi_zarr_whole(&n, index) || n < 0 || (size_t)n >= json_array_size(nodes))
+    if (!vvi_json_whole(&n, index) || n < 0 || (size_t)n >= json_array_size(nodes))
         return vvi_gltf_fail(&r->g, "names a node that does not exist");
     if (depth > DEPTH_MOST || r->seen[n])
         return vvi_gltf_fail(&r->g, "node %lld has two parents, or is nested deeper than %d", (long long)n, DEPTH_MOST);

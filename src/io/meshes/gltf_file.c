@@ -3,7 +3,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "grid/field.h"
-#include "io/formats/zarr.h"
+#include "io/json.h"
 #include "io/meshes/gltf.h"
 #include "io/meshes/mesh_column.h"
 
@@ -30,7 +30,7 @@ vv_status vvi_gltf_index(const vvi_gltf *g, const json_t *object, const char *ke
     *there = value != NULL;
     if (!value)
         return VV_OK;
-    if (!vvi_zarr_whole(&v, value) || v < 0 || (uint64_t)v >= n)
+    if (!vvi_json_whole(&v, value) || v < 0 || (uint64_t)v >= n)
         return vvi_gltf_fail(g, "'%s' is not the number of one of the %zu that there are", key, n);
     *out = (size_t)v;
     return VV_OK;
@@ -60,7 +60,7 @@ static vv_status read_json(vvi_gltf *g, uint64_t n)
         return vv_fail_memory((size_t)n + 1);
     vv_status st = vvi_source_read(g->source, text, (size_t)n, "JSON");
     if (st == VV_OK)
-        st = vvi_zarr_json_text(&g->root, text, (size_t)n, g->file, g->job);
+        st = vvi_json_read_text(&g->root, text, (size_t)n, g->file, g->job);
     vvi_free(text);
     return st;
 }
@@ -238,7 +238,7 @@ static vv_status load_buffer(vvi_gltf *g, size_t i)
     const json_t *buffer = json_array_get(json_object_get(g->root, "buffers"), i);
     const char *uri = json_string_value(json_object_get(buffer, "uri"));
     int64_t n;
-    if (!vvi_zarr_whole(&n, json_object_get(buffer, "byteLength")) || n < 0)
+    if (!vvi_json_whole(&n, json_object_get(buffer, "byteLength")) || n < 0)
         return vvi_gltf_fail(g, "buffer %zu has no 'byteLength'", i);
     vv_status st = check_size(g, uri, (uint64_t)n);
     if (st != VV_OK)
@@ -304,9 +304,9 @@ static vv_status find_records(vvi_gltf *g, const uint8_t **out, size_t *stride, 
     const json_t *step_at = json_object_get(view, "byteStride");
     if ((st = vvi_gltf_index(g, view, "buffer", g->n_buffers, &buffer, &there)) != VV_OK)
         return st;
-    if (!there || !vvi_zarr_whole(&length, json_object_get(view, "byteLength")) ||
-        (offset_at && !vvi_zarr_whole(&offset, offset_at)) || (begin_at && !vvi_zarr_whole(&begin, begin_at)) ||
-        (step_at && !vvi_zarr_whole(&step, step_at)) || offset < 0 || begin < 0 || length < 0 || step < 0 ||
+    if (!there || !vvi_json_whole(&length, json_object_get(view, "byteLength")) ||
+        (offset_at && !vvi_json_whole(&offset, offset_at)) || (begin_at && !vvi_json_whole(&begin, begin_at)) ||
+        (step_at && !vvi_json_whole(&step, step_at)) || offset < 0 || begin < 0 || length < 0 || step < 0 ||
         step > 4096)
         return vvi_gltf_fail(g, "buffer view %zu has no whole numbers for its position", index);
     if (!g->buffer[buffer] && (st = load_buffer(g, buffer)) != VV_OK)
@@ -366,8 +366,8 @@ static vv_status fill_sparse(vvi_gltf *g, vvi_gltf_numbers *numbers, const json_
     size_t stride = 0, value_stride = 0;
     int64_t n, code;
     vv_type index_type;
-    if (!vvi_zarr_whole(&n, json_object_get(sparse, "count")) || n < 0 || (uint64_t)n > numbers->n ||
-        !vvi_zarr_whole(&code, json_object_get(indices, "componentType")) || !type_of(&index_type, code) ||
+    if (!vvi_json_whole(&n, json_object_get(sparse, "count")) || n < 0 || (uint64_t)n > numbers->n ||
+        !vvi_json_whole(&code, json_object_get(indices, "componentType")) || !type_of(&index_type, code) ||
         vv_type_is_float(index_type))
         return vvi_gltf_fail(g, "a sparse accessor has no 'count' or no type for its indices");
     vv_status st = find_records(g, &at, &stride, indices, vv_type_bytes(index_type), (uint64_t)n);
@@ -413,8 +413,8 @@ static vv_status look_at(vvi_gltf_numbers *out, vv_type *type, const vvi_gltf *g
     const json_t *accessor = json_array_get(json_object_get(g->root, "accessors"), index);
     int64_t n, code;
     *out = (vvi_gltf_numbers){.components = components_of(accessor)};
-    if (!vvi_zarr_whole(&n, json_object_get(accessor, "count")) || n < 0 || n >= UINT32_MAX ||
-        !vvi_zarr_whole(&code, json_object_get(accessor, "componentType")) || !type_of(type, code) ||
+    if (!vvi_json_whole(&n, json_object_get(accessor, "count")) || n < 0 || n >= UINT32_MAX ||
+        !vvi_json_whole(&code, json_object_get(accessor, "componentType")) || !type_of(type, code) ||
         out->components < least || out->components > most)
         return vvi_gltf_fail(g, "accessor %zu has no count and type that fit its use", index);
     out->n = (size_t)n;

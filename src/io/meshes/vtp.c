@@ -2,7 +2,7 @@
 #include "io/meshes/vtp.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/formats/vtk_xml.h"
+#include "io/formats/vtk/vtk_xml.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/scan.h"
 #include "registry.h"

@@ -3,7 +3,7 @@
  */
 #ifndef VVI_RENDER_CUBIC_SPLINE_H
 #define VVI_RENDER_CUBIC_SPLINE_H
-#include "render/common/lattice.h"
+#include "grid/lattice.h"
 
 /**
  * Like vvi_lattice_open(), but the lattice's numbers are coefficients: the spline with these weights at the samples is

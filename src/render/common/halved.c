@@ -5,7 +5,7 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "grid/field.h"
-#include "render/common/lattice.h"
+#include "grid/lattice.h"
 #include <math.h>
 
 enum { FEWEST = 8, ROWS = 4 };

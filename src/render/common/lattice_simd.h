@@ -8,7 +8,7 @@
 #ifndef VVI_RENDER_LATTICE_SIMD_H
 #define VVI_RENDER_LATTICE_SIMD_H
 #include "core/simd_vec.h"
-#include "render/common/lattice.h"
+#include "grid/lattice.h"
 
 /** Where a point lies: the cell's lowest sample and the fraction inside it. */
 typedef struct cell_at {

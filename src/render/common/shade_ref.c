@@ -1,7 +1,7 @@
 #include "render/common/shade_ref.h"
-#include "render/common/lattice.h"
-#include "render/common/lens.h"
-#include "render/common/transfer.h"
+#include "grid/lattice.h"
+#include "scene/lens.h"
+#include "scene/transfer.h"
 #include <math.h>
 
 static bool inside(double value, const vv_statistics *s)

@@ -1,6 +1,6 @@
 /* Textures in double precision. Never removed and never made fast. */
 #include "render/common/texture_ref.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 
 #define PI 3.14159265358979323846

@@ -7,7 +7,7 @@
  */
 #ifndef VVI_RENDER_TRANSFER_FINE_H
 #define VVI_RENDER_TRANSFER_FINE_H
-#include "render/common/transfer.h"
+#include "scene/transfer.h"
 
 typedef struct vvi_transfer_fine {
     uint32_t *first, *parts; /**< of each row of the table: its own rows from `first` on (at n or beyond); parts 0: it

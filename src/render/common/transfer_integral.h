@@ -3,7 +3,7 @@
  */
 #ifndef VVI_RENDER_TRANSFER_INTEGRAL_H
 #define VVI_RENDER_TRANSFER_INTEGRAL_H
-#include "render/common/transfer.h"
+#include "scene/transfer.h"
 
 /**
  * Extinction, and extinction times red, green and blue, integrated over the rows of a table: exact from the nodes, of

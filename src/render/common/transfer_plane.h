@@ -3,7 +3,7 @@
  */
 #ifndef VVI_RENDER_TRANSFER_PLANE_H
 #define VVI_RENDER_TRANSFER_PLANE_H
-#include "render/common/transfer.h"
+#include "scene/transfer.h"
 
 enum { VVI_PLANE_SIDE = 256 };
 

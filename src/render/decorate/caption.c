@@ -2,9 +2,9 @@
 #include "core/memory.h"
 #include "core/names.h"
 #include "core/units.h"
-#include "render/common/lens.h"
 #include "render/decorate/nice.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* How the World is turned: a small cube with letters painted on its faces. A letter is the way in which that direction
  * grows: R on the face that looks to the subject's right. */
 #include "core/memory.h"
-#include "render/common/lens.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
 #include <math.h>
 
 #define SIDE_EM 3.0

@@ -3,6 +3,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "core/vec.h"
 #include "render/decorate/sheet.h"
 #include <math.h>
@@ -70,10 +71,28 @@ static vv_status make_font(void **value_out, uint64_t *bytes_out, void *user, vv
     return st;
 }
 
+/* Fonts are read in this process: where files may come from strangers, only those that were given with the program's
+ * words. */
+static bool is_trusted(const char *path, const vv_job *job)
+{
+    const char *rest;
+    char *real = vvi_job_confined(job) ? realpath(path, NULL) : NULL;
+    const bool given = !vvi_job_confined(job) || (real && vvi_job_place(job, real, false, &rest) == -1);
+    free(real);
+    return given && !vvi_job_distrusts(job, path);
+}
+
 /* Kept from picture to picture. A picture without letters is better than none. */
 static vvi_cached *open_font(const char *path, vv_job *job)
 {
     vvi_cached *font = NULL;
+    if (path && *path && !is_trusted(path, job)) {
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: a font is read here only where it was named when the server was started; letters are drawn in "
+                "another one",
+                path);
+        path = NULL;
+    }
     const vvi_cache_key key = {"font", 0, path ? vvi_hash(path, strlen(path), 1) : 0};
     if (vvi_cache_get(&font, &key, make_font, vvi_font_close, (void *)path, job) == VV_OK)
         return font;

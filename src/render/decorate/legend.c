@@ -2,10 +2,10 @@
  * lines, each as high as it needs; where that is too high, curves go first, then rows from the end. */
 #include "core/memory.h"
 #include "grid/label_id.h"
-#include "render/common/lens.h"
-#include "render/common/transfer.h"
 #include "render/decorate/nice.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
+#include "scene/transfer.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* The edges of volumes, and where cut planes go through them: lines in the World, hidden by what is before them. */
-#include "render/common/lens.h"
-#include "render/common/resolve.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* A bar of a round length. In perspective lengths depend on the distance: the bar is for the middle of the data. */
-#include "render/common/lens.h"
 #include "render/decorate/nice.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
 #include <math.h>
 
 #define MOST_SHARE 0.25 /* of the picture's width */

@@ -1,8 +1,8 @@
 /* Sizes, colours and places that all decorations share. */
 #include "render/decorate/sheet.h"
 #include "core/text.h"
-#include "render/common/lens.h"
-#include "render/common/resolve.h"
+#include "scene/lens.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <string.h>
 

@@ -91,10 +91,27 @@ VV_INLINE row_place find_row(const vvi_blend_volume *v, vf value)
     return r;
 }
 
+/** Where a value stays within a row that is too steep for one mean, what it is seen as: the table's finer rows. */
+VV_INLINE void in_steep_row(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
+{
+    const vvi_ray_frame *f = &v->ray;
+    const vf place = entry_place(f, value);
+    const vi entry = vi_trunc(place);
+    const vf alpha = vf_gather4(f->alpha, entry, m);
+    const vm split = vm_and(m, vf_lt(vf_set1(1.0f), alpha));
+    if (!vm_any(split))
+        return;
+    const vi at = vi_shl(split_entry(f, place, entry, alpha, split), 2);
+    s->depth = vf_select(split, vf_gather4(f->color + 3, at, split) * share, s->depth);
+    for (int c = 0; c < 3; c++)
+        s->rgb[c] = vf_select(split, vf_gather4(f->color + c, at, split), s->rgb[c]);
+}
+
 /**
  * The mean of optical depth and colour over all values from front to back, as if the value ran evenly from one to the
  * other (algorithms: section 2.3). Sums are integers: differences of neighbours do not cancel. Within one row, however
- * far beyond the table, and within a sixty-fourth of a row, the mean of the two rows.
+ * far beyond the table, and within a sixty-fourth of a row, the mean of the two rows; of a steep row its part in the
+ * middle of the way.
  */
 VV_INLINE void mean_between(blend_sample *s, const vvi_blend_volume *v, vf front, vf back, vf share, vm m)
 {
@@ -115,6 +132,9 @@ VV_INLINE void mean_between(blend_sample *s, const vvi_blend_volume *v, vf front
     const vf each = vf_set1(1.0f) / vf_max(mean[3], vf_set1(1e-30f));
     for (int c = 0; c < 3; c++)
         s->rgb[c] = mean[c] * each;
+    const vm still = vm_and(m, same);
+    if (vm_any(still))
+        in_steep_row(s, v, (front + back) * vf_set1(0.5f), share, still);
 }
 
 OUT_OF_LINE void classify_integrated(blend_sample *s, blend_part *p, const blend_span *span, vm m)

@@ -4,7 +4,7 @@
 #include "render/raycast/parc.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 
 enum { BAND = 32, POLL = 1024 };

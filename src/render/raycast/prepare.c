@@ -5,8 +5,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/halved.h"
-#include "render/common/label_ids.h"
-#include "render/common/resolve.h"
+#include "scene/label_ids.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <stdio.h>
 

@@ -1,8 +1,8 @@
 /* What the values of a volume are seen as: tables for the kernels. */
 #include "core/memory.h"
-#include "render/common/resolve.h"
 #include "render/common/transfer_fine.h"
 #include "render/raycast/prepare.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* Where a volume's colours come from, if not from its classification. */
 #include "core/cache.h"
 #include "core/memory.h"
-#include "render/common/colors.h"
 #include "render/raycast/prepare.h"
+#include "scene/colors.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* One volume of a frame: samples, place, light. */
 #include "core/job.h"
 #include "render/common/cubic_spline.h"
-#include "render/common/resolve.h"
 #include "render/common/shade_ref.h"
 #include "render/raycast/prepare.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <string.h>
 

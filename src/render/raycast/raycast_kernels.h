@@ -5,7 +5,7 @@
 #ifndef VVI_RENDER_RAYCAST_KERNELS_H
 #define VVI_RENDER_RAYCAST_KERNELS_H
 #include "gfx/lamp.h"
-#include "render/common/lattice.h"
+#include "grid/lattice.h"
 #include "render/common/skip.h"
 #include "render/raycast/parc.h"
 #include <math.h>

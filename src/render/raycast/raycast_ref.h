@@ -3,8 +3,8 @@
  */
 #ifndef VVI_RENDER_RAYCAST_REF_H
 #define VVI_RENDER_RAYCAST_REF_H
-#include "render/common/lens.h"
 #include "render/raycast/raycast.h"
+#include "scene/lens.h"
 
 typedef struct vvi_ref_ray {
     const vv_scene *scene;

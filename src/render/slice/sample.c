@@ -1,8 +1,8 @@
 /* Which value is at a place: as the volume is interpolated. */
 #include "core/cache.h"
 #include "core/memory.h"
-#include "render/common/colors.h"
 #include "render/slice/slice.h"
+#include "scene/colors.h"
 #include <math.h>
 
 #define SLACK 1e-6 /* samples: places on the outermost ones are computed to less than that */

@@ -5,8 +5,8 @@
 #include "core/vec.h"
 #include "grid/slice_axes.h"
 #include "registry.h"
-#include "render/common/lens.h"
-#include "render/common/resolve.h"
+#include "scene/lens.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <volvis/render.h>
 

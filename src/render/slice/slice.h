@@ -6,7 +6,7 @@
 #define VVI_RENDER_SLICE_H
 #include "grid/probe.h"
 #include "render/common/cubic_spline.h"
-#include "render/common/transfer.h"
+#include "scene/transfer.h"
 
 /** Which plane. */
 typedef enum vvi_slice_way {

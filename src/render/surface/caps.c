@@ -6,9 +6,9 @@
 #include "core/vec.h"
 #include "gfx/backend.h"
 #include "grid/probe.h"
-#include "render/common/lens.h"
 #include "render/common/shade_ref.h"
 #include "render/surface/surface.h"
+#include "scene/lens.h"
 #include <float.h>
 #include <math.h>
 

@@ -2,8 +2,8 @@
 #include "surface/labels.h"
 #include "core/cache.h"
 #include "core/memory.h"
-#include "render/common/transfer.h"
 #include "render/surface/surface.h"
+#include "scene/transfer.h"
 #include "surface/label_map.h"
 #include <stdio.h>
 

@@ -114,7 +114,8 @@ static void what_is_no_quantity_is_refused_with_the_units_there_are(void **state
     check_refused("3mm", VV_Q_NONE, &millimetres, "no unit");
     check_refused("5%", VV_Q_NONE, &millimetres, "no unit");
     check_refused("3vox", VV_Q_TIME, &millimetres, "s, ms, us, min, h");
-    check_refused("1,5mm", VV_Q_LENGTH, &millimetres, "unknown unit ',5mm'");
+    check_refused("1,5mm", VV_Q_LENGTH, &millimetres,
+                  "'1,5mm' is a list; expected one value, a length; decimals follow a point");
     check_refused("-1G", VV_Q_BYTES, &millimetres, "negative");
     check_refused("1e308km", VV_Q_LENGTH, &millimetres, "too large");
 }

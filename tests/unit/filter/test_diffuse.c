@@ -189,6 +189,44 @@ static void what_makes_no_sense_is_refused(void **state)
     vv_field_release(in);
 }
 
+/* Layers across (2, 1, 2) / 3. */
+static double layers(vv_vec3 p)
+{
+    return 100 * sin(0.8 * (2 * p.x + p.y + 2 * p.z) / 3);
+}
+
+static double change(const vv_field *in, const char *settings)
+{
+    vv_field *out = diffused(in, settings);
+    const int64_t *n = vv_field_get_info(in)->grid.dims;
+    double most = 0;
+    for (int64_t k = n[2] / 2 - 2; k < n[2] / 2 + 2; k++)
+        for (int64_t j = n[1] / 2 - 2; j < n[1] / 2 + 2; j++)
+            for (int64_t i = n[0] / 2 - 2; i < n[0] / 2 + 2; i++)
+                most = fmax(most, fabs(vv_field_value(out, i, j, k, 0) - vv_field_value(in, i, j, k, 0)));
+    vv_field_release(out);
+    return most;
+}
+
+/* What is the same everywhere along layers stays so, on sheared grids too; what flows across them smooths. */
+static void along_layers_of_the_world_nothing_changes(void **state)
+{
+    (void)state;
+    static const test_form form = {.name = "layers", .value = layers};
+    vv_field_info info = info_of(40, 36, 34, VV_TYPE_F32, 1);
+    for (int sheared = 0; sheared < 2; sheared++) {
+        info.grid.index_to_world = (vv_affine){
+            .axis = {{0.5, 0, sheared * 0.1}, {sheared * 0.15, 0.6, 0}, {0, sheared * -0.1, 0.75}},
+        };
+        vv_field *in = test_field(&form, &info, NULL);
+        const double along = change(in, "method=coherence;alpha=0;edge=1;sigma=0.5;rho=1;iterations=2"),
+                     everywhere = change(in, "method=coherence;alpha=1;edge=1;sigma=0.5;rho=1;iterations=2");
+        if (!(everywhere > 1 && along < 0.06 * everywhere))
+            fail_msg("sheared %d: %g along, %g everywhere", sheared, along, everywhere);
+        vv_field_release(in);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +235,7 @@ int main(void)
         cmocka_unit_test(sums_ranges_and_edges_stay),
         cmocka_unit_test(slabs_are_the_same_for_any_memory_and_threads),
         cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(along_layers_of_the_world_nothing_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

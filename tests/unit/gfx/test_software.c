@@ -5,8 +5,8 @@
 #include "fields.h"
 #include "gfx/gfx.h"
 #include "jobs.h"
-#include "render/common/lens.h"
 #include "render/common/shade_ref.h"
+#include "scene/lens.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  * of what they enclose. */
 #include "core/job.h"
 #include "fields.h"
-#include "io/formats/dicom_contours.h"
+#include "io/formats/dicom/dicom_contours.h"
 #include "io_test.h"
 
 /* Files -------------------------------------------------------------------------------------------------------------

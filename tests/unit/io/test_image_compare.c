@@ -1,7 +1,7 @@
 /* Images in memory, the sRGB curve, and what image comparison says of pairs whose answer is known. */
 #include "core/memory.h"
 #include "fields.h"
-#include "io/images/image_srgb.h"
+#include "image/image_srgb.h"
 #include "jobs.h"
 #include <volvis/image.h>
 

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "fail_alloc.h"
 #include "fields.h"
-#include "io/images/image_layer.h"
+#include "image/image_layer.h"
 #include "io/source.h"
 #include "jobs.h"
 #include "registry.h"

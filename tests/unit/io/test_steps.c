@@ -1,5 +1,5 @@
 /* Time steps in files of their own: files that are replaced, cut or gone between opening and reading, and names. */
-#include "io/formats/steps.h"
+#include "io/formats/steps/steps.h"
 #include "io_test.h"
 
 static void put_step(const char *path, int n, int value)

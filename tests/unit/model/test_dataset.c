@@ -95,8 +95,8 @@ static void samples_are_loaded_once_and_kept(void **state)
     vv_world *world = NULL;
     vv_field *one = NULL, *two = NULL;
     ok(vv_world_for_file(&world, d->path, NULL, d->job));
-    ok(vv_dataset_field(&one, only_dataset(&world->base), NULL, 0, d->job));
-    ok(vv_dataset_field(&two, only_dataset(&world->base), NULL, 0, d->job));
+    ok(vv_dataset_field(&one, NULL, only_dataset(&world->base), NULL, 0, d->job));
+    ok(vv_dataset_field(&two, NULL, only_dataset(&world->base), NULL, 0, d->job));
     assert_ptr_equal(one, two);
     for (int64_t i = 0; i < 5; i++)
         assert_true(vv_field_value(one, i, 2, 3, 0) == vv_field_value(d->field, i, 2, 3, 0));
@@ -111,7 +111,7 @@ static void a_field_becomes_a_world_that_holds_it(void **state)
     vv_world *world = NULL;
     vv_field *found = NULL;
     ok(vv_world_for_field(&world, "ramp", d->field, d->job));
-    ok(vv_dataset_field(&found, only_dataset(&world->base), NULL, 0, d->job));
+    ok(vv_dataset_field(&found, NULL, only_dataset(&world->base), NULL, 0, d->job));
     assert_ptr_equal(found, d->field);
     vv_field_release(found);
     vv_object_release(&world->base);
@@ -125,7 +125,7 @@ static vv_status load(const disk *d, const char *more, int64_t frame)
     vv_field *field = NULL;
     snprintf(json, sizeof json, "{\"datasets\": {\"d\": {\"path\": \"%s\"%s}}}", d->path, more);
     vv_object *world = world_with(json);
-    const vv_status st = vv_dataset_field(&field, only_dataset(world), NULL, frame, d->job);
+    const vv_status st = vv_dataset_field(&field, NULL, only_dataset(world), NULL, frame, d->job);
     assert_true((st == VV_OK) == (field != NULL));
     vv_field_release(field);
     vv_object_release(world);
@@ -152,10 +152,10 @@ static void frames_and_files_that_are_not_there_are_errors(void **state)
     assert_non_null(strstr(vv_error_last()->message, "there is no time step 1: expected 0 to 0"));
     vv_field_info info;
     vv_object *world = world_with("{\"datasets\": {\"d\": {\"path\": \"/nowhere/x.nrrd\"}}}");
-    assert_int_equal(vv_dataset_info(&info, only_dataset(world), d->job), VV_E_READ);
+    assert_int_equal(vv_dataset_info(&info, NULL, only_dataset(world), d->job), VV_E_READ);
     vv_object_release(world);
     world = world_with("{\"datasets\": {\"d\": {}}}");
-    assert_int_equal(vv_dataset_info(&info, only_dataset(world), d->job), VV_E_NOT_FOUND);
+    assert_int_equal(vv_dataset_info(&info, NULL, only_dataset(world), d->job), VV_E_NOT_FOUND);
     vv_object_release(world);
 }
 
@@ -168,7 +168,7 @@ static void a_kind_that_is_not_known_is_a_clear_error(void **state)
     snprintf(json, sizeof json, "{\"schema\": 2, \"datasets\": {\"d\": {\"path\": \"%s\", \"kind\": \"regulr\"}}}",
              d->path);
     ok(vv_scene_parse(&world, json, strlen(json), "test", NULL, NULL));
-    assert_int_equal(vv_dataset_info(&info, only_dataset(&world->base), d->job), VV_E_UNSUPPORTED);
+    assert_int_equal(vv_dataset_info(&info, NULL, only_dataset(&world->base), d->job), VV_E_UNSUPPORTED);
     assert_string_equal(
         vv_error_last()->message,
         "kind: 'regulr' is not a known kind of data; did you mean 'regular'? There are regular and mesh");

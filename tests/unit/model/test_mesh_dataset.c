@@ -86,7 +86,7 @@ static void expect_mesh(const vv_world *world, const disk *d)
 {
     vv_mesh *found = NULL;
     assert_true(vv_dataset_is_mesh(only_dataset(world), d->job));
-    ok(vv_dataset_mesh(&found, only_dataset(world), d->job));
+    ok(vv_dataset_mesh(&found, NULL, only_dataset(world), d->job));
     assert_int_equal(vv_mesh_checksum(found), vv_mesh_checksum(d->mesh));
     vv_mesh_release(found);
 }
@@ -117,8 +117,8 @@ static void a_mesh_is_read_once_and_kept(void **state)
     const disk *d = *state;
     vv_world *world = world_of(d);
     vv_mesh *one = NULL, *two = NULL;
-    ok(vv_dataset_mesh(&one, only_dataset(world), d->job));
-    ok(vv_dataset_mesh(&two, only_dataset(world), d->job));
+    ok(vv_dataset_mesh(&one, NULL, only_dataset(world), d->job));
+    ok(vv_dataset_mesh(&two, NULL, only_dataset(world), d->job));
     assert_ptr_equal(one, two);
     vv_mesh_release(one);
     vv_mesh_release(two);
@@ -138,7 +138,7 @@ static void edits_of_a_mesh_are_undone(void **state)
     vv_world *edited = vv_model_snapshot(model);
     vv_mesh *mesh = NULL;
     assert_false(vv_object_equal(&edited->base, &before->base));
-    assert_int_equal(vv_dataset_mesh(&mesh, only_dataset(edited), d->job), VV_E_READ);
+    assert_int_equal(vv_dataset_mesh(&mesh, NULL, only_dataset(edited), d->job), VV_E_READ);
     assert_null(mesh);
     vv_object_release(&edited->base);
     for (int i = 0; i < 3; i++)
@@ -174,7 +174,7 @@ static vv_status load(const disk *d, const char *properties)
     vv_mesh *mesh = NULL;
     snprintf(json, sizeof json, "{\"datasets\": {\"d\": {%s}}}", properties);
     vv_world *world = parse(json);
-    const vv_status st = vv_dataset_mesh(&mesh, only_dataset(world), d->job);
+    const vv_status st = vv_dataset_mesh(&mesh, NULL, only_dataset(world), d->job);
     assert_true((st == VV_OK) == (mesh != NULL));
     vv_mesh_release(mesh);
     vv_object_release(&world->base);
@@ -219,10 +219,10 @@ static void a_mesh_has_no_samples(void **state)
     vv_world *world = world_of(d);
     vv_field *field = NULL;
     vv_field_info info;
-    assert_int_equal(vv_dataset_field(&field, only_dataset(world), NULL, 0, d->job), VV_E_UNSUPPORTED);
+    assert_int_equal(vv_dataset_field(&field, NULL, only_dataset(world), NULL, 0, d->job), VV_E_UNSUPPORTED);
     expect_message("is a mesh");
     assert_null(field);
-    assert_int_equal(vv_dataset_info(&info, only_dataset(world), d->job), VV_E_UNSUPPORTED);
+    assert_int_equal(vv_dataset_info(&info, NULL, only_dataset(world), d->job), VV_E_UNSUPPORTED);
     vv_object_release(&world->base);
 }
 

@@ -282,10 +282,10 @@ static void an_attached_field_is_found_and_taken_back(void **state)
     ok(vv_model_attach(model, NULL, "ramp", field));
     vv_world *world = vv_model_snapshot(model);
     const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(world->datasets, "ramp");
-    ok(vv_dataset_field(&found, dataset, NULL, 0, NULL));
+    ok(vv_dataset_field(&found, NULL, dataset, NULL, 0, NULL));
     assert_ptr_equal(found, field);
     vv_field_release(found);
-    assert_int_equal(vv_dataset_field(&found, dataset, NULL, 1, NULL), VV_E_NOT_FOUND);
+    assert_int_equal(vv_dataset_field(&found, NULL, dataset, NULL, 1, NULL), VV_E_NOT_FOUND);
     assert_null(found);
     assert_true(vv_model_context(model).voxel == 2);
     vv_object_release(&world->base);
@@ -293,7 +293,7 @@ static void an_attached_field_is_found_and_taken_back(void **state)
     expect(model, "{}");
     ok(vv_model_redo(model, NULL));
     world = vv_model_snapshot(model);
-    ok(vv_dataset_field(&found, (const vv_dataset *)vv_collection_find(world->datasets, "ramp"), NULL, 0, NULL));
+    ok(vv_dataset_field(&found, NULL, (const vv_dataset *)vv_collection_find(world->datasets, "ramp"), NULL, 0, NULL));
     assert_ptr_equal(found, field);
     vv_field_release(found);
     vv_object_release(&world->base);

@@ -111,7 +111,7 @@ static void texts_have_as_many_bytes_as_their_rows_say(void **state)
         {"{\"title\": \"%s\"}", "title", 1024},
         {"{\"unit\": \"%s\"}", "unit", 256},
         {"{\"views\": {\"a\": {\"decorations\": {\"caption\": \"%s\"}}}}", "views.a.decorations.caption", 4096},
-        {"{\"datasets\": {\"a\": {\"parameters\": \"%s\"}}}", "datasets.a.parameters", 65536},
+        {"{\"datasets\": {\"a\": {\"part\": \"%s\"}}}", "datasets.a.part", 4096},
         {"{\"datasets\": {\"a\": {\"path\": \"%s\"}}}", "datasets.a.path", 4096},
     };
     char said[128];

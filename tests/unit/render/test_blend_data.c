@@ -5,9 +5,9 @@
 #include "fields.h"
 #include "model/context.h"
 #include "ray_scene.h"
-#include "render/common/colors.h"
 #include "render/common/cubic_spline.h"
 #include "render/common/transfer_plane.h"
+#include "scene/colors.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

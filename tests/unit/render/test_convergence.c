@@ -6,8 +6,8 @@
 #include "fields.h"
 #include "ray_scene.h"
 #include "render/common/cubic_spline.h"
-#include "render/common/lens.h"
 #include "render/raycast/raycast_ref.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

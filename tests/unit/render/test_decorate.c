@@ -4,11 +4,11 @@
 #include "fields.h"
 #include "jobs.h"
 #include "model/context.h"
-#include "render/common/lens.h"
-#include "render/common/resolve.h"
 #include "render/decorate/decorate.h"
 #include "render/decorate/nice.h"
 #include "render/decorate/sheet.h"
+#include "scene/lens.h"
+#include "scene/resolve.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,10 @@
 /* Ids of any size get numbers, and integers that are labels are told from those that are amounts. */
 #include "core/cache.h"
 #include "fields.h"
+#include "grid/label_color.h"
 #include "grid/label_sense.h"
-#include "render/common/label_ids.h"
-#include "render/common/transfer.h"
+#include "scene/label_ids.h"
+#include "scene/transfer.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -116,7 +117,7 @@ static void every_id_has_a_color_of_its_own_and_its_row(void **state)
     double of[5][4], seven[3];
     for (int i = 0; i < 5; i++)
         vvi_transfer_evaluate(of[i], &c, i);
-    vvi_transfer_label_color(seven, 7);
+    vvi_label_color(seven, 7);
     assert_true(of[0][3] == 0 && memcmp(of[1], seven, sizeof seven) == 0);
     assert_true(of[2][0] == 0.5 && of[2][1] == 0.25 && of[2][2] == 0.125 && of[2][3] > of[3][3]);
     assert_true(fabs(of[3][0] - of[4][0]) + fabs(of[3][1] - of[4][1]) + fabs(of[3][2] - of[4][2]) > 0.1);
@@ -138,8 +139,8 @@ static void to_oklab(double lab[3], const double rgb[3])
 static double color_distance(int64_t a, int64_t b)
 {
     double rgb[2][3], lab[2][3];
-    vvi_transfer_label_color(rgb[0], a);
-    vvi_transfer_label_color(rgb[1], b);
+    vvi_label_color(rgb[0], a);
+    vvi_label_color(rgb[1], b);
     for (int i = 0; i < 2; i++) {
         to_oklab(lab[i], rgb[i]);
         for (int c = 0; c < 3; c++)

@@ -3,8 +3,8 @@
 #include "fields.h"
 #include "jobs.h"
 #include "ray_scene.h"
-#include "render/common/lens.h"
 #include "render/raycast/parc.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,8 +2,8 @@
  * kernel against those of one plain volume. */
 #include "fields.h"
 #include "ray_scene.h"
-#include "render/common/colors.h"
-#include "render/common/lens.h"
+#include "scene/colors.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
 #include "fields.h"
 #include "grid/field.h"
 #include "ray_scene.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 #include "core/cpu.h"
 #include "fields.h"
 #include "ray_scene.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

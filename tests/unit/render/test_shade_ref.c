@@ -1,6 +1,6 @@
 /* The shading reference against values worked out by hand. */
-#include "render/common/lens.h"
 #include "render/common/shade_ref.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

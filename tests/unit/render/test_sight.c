@@ -2,7 +2,7 @@
 #include "fields.h"
 #include "jobs.h"
 #include "model/context.h"
-#include "render/common/lens.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -5,8 +5,8 @@
 #include "fields.h"
 #include "model/context.h"
 #include "ray_scene.h"
-#include "render/common/lens.h"
 #include "render/common/texture_ref.h"
+#include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 /* Integrals of classifications against sums of very many values, and how steep a volume is against its formula. */
 #include "fields.h"
-#include "render/common/gradient_scale.h"
 #include "render/common/spread.h"
 #include "render/common/transfer_integral.h"
+#include "scene/gradient_scale.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -189,6 +189,9 @@ static void a_launch_token_lets_in_once(void **state)
     assert_int_equal(vvi_gate_exchange(&gate, &r, "", 0), VVI_PASS_NONE);
     assert_int_equal(vvi_gate_launch(&gate), VV_OK);
     memcpy(launch, gate.launch, sizeof launch);
+    r.bearer = launch; /* that is a page's way in, and no other */
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_NONE);
+    r.bearer = NULL;
     assert_int_equal(vvi_gate_exchange(&gate, &r, launch, 0), VVI_PASS_ALL);
     assert_int_equal(vvi_gate_exchange(&gate, &r, launch, 0), VVI_PASS_NONE);
     assert_int_equal(vvi_gate_exchange(&gate, &r, token, 0), VVI_PASS_ALL);

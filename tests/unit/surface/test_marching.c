@@ -4,10 +4,10 @@
 #include "fields.h"
 #include "grid/field.h"
 #include "grid/mesh.h"
+#include "grid/mesh_normals.h"
 #include "jobs.h"
 #include "meshes.h"
 #include "surface/marching.h"
-#include "surface/normals.h"
 
 #include <math.h>
 #include <setjmp.h>

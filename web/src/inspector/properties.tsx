@@ -17,7 +17,7 @@ function groupKey(path: string): string {
 }
 
 export function isGroup(row: Property): boolean {
-  return row.kind === "object" || row.kind === "list" || row.kind === "variants";
+  return row.kind === "object" || row.kind === "list" || row.kind === "variants" || row.kind === "members";
 }
 
 /** How many properties somebody has set below this path: so that a folded group tells. */
@@ -83,6 +83,27 @@ function MethodParameters({ path }: { path: string }) {
   return <Group path={join(path, renderer.name)} row={row} open />;
 }
 
+/** What data are made of, and with which parameters: rows of the operation that makes them. */
+function Recipe({ path, row }: { path: string; row: Property }) {
+  const named = store.valueOf(`${path}.operation`);
+  const operation = store.welcome.value?.operations.find((one) => one.name === named);
+  const where = join(path, row.name);
+  if (!operation) return null;
+  if (row.name === "parameters") return <Group path={where} row={{ ...row, kind: "object", class: operation.class }} open />;
+  const value = valueAt(store.world.value, where);
+  const inputs = isObject(value) ? Object.keys(value) : [];
+  return (
+    <div class="rows">
+      {inputs.map((name) => (
+        <PropertyRow
+          key={name} path={join(where, name)}
+          row={{ name, kind: "reference", ref_to: "datasets", doc: operation.inputs.find((operand) => operand.name === name)?.doc ?? row.doc }}
+        />
+      ))}
+    </div>
+  );
+}
+
 export function Properties({ path, className, skip = [], base }: {
   path: string; className: string; skip?: string[];
   /** Where values are kept, if not in the World: parameters of an operation that has not run. */
@@ -97,6 +118,8 @@ export function Properties({ path, className, skip = [], base }: {
       {groups.map((row) =>
         row.kind === "variants"
           ? <MethodParameters key={row.name} path={path} />
+          : row.kind === "members"
+          ? <Recipe key={row.name} path={path} row={row} />
           : <Group key={row.name} path={join(path, row.name)} row={row} />)}
     </>
   );

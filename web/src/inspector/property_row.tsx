@@ -131,7 +131,8 @@ function NumberControl(c: RowContext) {
   const value = typeof c.value === "number" ? c.value : null;
   const labelled = c.row.quantity === "label";
   const shown = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
-  const own = labelled && (typeof c.set === "string" || shown !== null) ? String(c.set ?? shown) : shown;
+  // text: a label of many digits, or a length with its unit in what data are made with
+  const own = typeof c.set === "string" ? c.set : labelled && shown !== null ? String(shown) : shown;
   const field = (
     <NumberField
       id={c.id} value={own} placeholder={scale && value !== null ? formatNumber(value) : c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}

@@ -1,5 +1,5 @@
 /**
- * The server's lens (src/render/common/lens.c) in the page: from what a message `pose` says to numbers for the graphics
+ * The server's lens (src/scene/lens.c) in the page: from what a message `pose` says to numbers for the graphics
  * card. Places are counted from the eye, in doubles, before they become floats: a small thing far from the World's
  * origin does not tremble.
  */

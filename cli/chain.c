@@ -1,0 +1,457 @@
+#include "chain.h"
+#include "channel_names.h"
+#include "core/memory.h"
+#include "label_names.h"
+#include "mesh.h"
+#include "model/context.h"
+#include "model/dataset.h"
+#include "model/merge.h"
+#include "operands.h"
+#include "scene/load.h"
+#include "verbs.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ID_ROOM = 64, WORDS_MOST = 128, INPUTS_MOST = 16 };
+
+/* One step under way. */
+typedef struct step {
+    cli_command *command;
+    vv_world **world;
+    const char *from; /* what is piped in */
+    cli_verb verb;    /* its operation, with nothing but that one's options */
+    cli_args args;
+    char *argv[WORDS_MOST];
+    int argc;
+    char inputs[INPUTS_MOST][ID_ROOM]; /* datasets, in the order of operands */
+} step;
+
+/* Words ------------------------------------------------------------------------------------------------------------ */
+
+/* The next word, made in place: quotes of both kinds keep what stands in them together. *text is behind it. NULL: there
+ * is none. */
+static char *take_word(char **text, bool *open_out)
+{
+    char *in = *text + strspn(*text, " \t\n"), *out = in, *word = in, quote = 0;
+    if (!*in)
+        return NULL;
+    for (; *in && (quote || !strchr(" \t\n", *in)); in++) {
+        if (quote ? *in == quote : *in == '"' || *in == '\'')
+            quote = quote ? 0 : *in;
+        else
+            *out++ = *in;
+    }
+    *open_out = quote != 0;
+    *text = *in ? in + 1 : in;
+    *out = 0;
+    return word;
+}
+
+/* Bytes of the first step of a chain: up to a bar outside of quotes. */
+static size_t step_length(const char *chain)
+{
+    char quote = 0;
+    size_t n = 0;
+    for (; chain[n] && (quote || chain[n] != '|'); n++) {
+        if (quote ? chain[n] == quote : chain[n] == '"' || chain[n] == '\'')
+            quote = quote ? 0 : chain[n];
+    }
+    return n;
+}
+
+static vv_status split(step *s, char *text)
+{
+    bool open = false;
+    for (char *word; !open && (word = take_word(&text, &open));) {
+        if (s->argc == WORDS_MOST)
+            return vv_fail(VV_E_LIMIT, "the step has more than %d words", WORDS_MOST);
+        s->argv[s->argc++] = word;
+    }
+    if (open)
+        return vv_fail(VV_E_ARGUMENT, "a quotation mark in '%s' is not closed", s->argv[s->argc - 1]);
+    if (!s->argc)
+        return vv_fail(VV_E_ARGUMENT, "an operation is missing: write them with a bar between two, as in "
+                                      "'gaussian --sigma 1mm | threshold --range 80..'");
+    return VV_OK;
+}
+
+static vv_status find_operation(step *s)
+{
+    const vv_operation *operation = vv_registry_operation(s->command->registry, s->argv[0]);
+    if (!operation)
+        return vv_error_last()->status;
+    s->verb = (cli_verb){.name = operation->name,
+                         .words = cli_operands_usage(operation),
+                         .options = {operation->params},
+                         .run = cli_verb_of_operation(operation).run};
+    return VV_OK;
+}
+
+/* What is piped in stands before all other inputs, and behind a formula. */
+static vv_status place_source(step *s, const vv_operation *operation)
+{
+    const vv_property *row = operation->params->properties;
+    while (row->name && !row->positional)
+        row++;
+    bool formula = row->name != NULL;
+    for (size_t i = 0; i < s->args.n_given; i++)
+        formula = formula && s->args.given[i].row != row;
+    const size_t at = formula && s->args.n_words > 0 ? 1 : 0;
+    const char **words = calloc(s->args.n_words + 2, sizeof *words);
+    if (!words)
+        return vv_fail_memory((s->args.n_words + 2) * sizeof *words);
+    memcpy(words, s->args.words, at * sizeof *words);
+    words[at] = s->from;
+    memcpy(words + at + 1, s->args.words + at, (s->args.n_words - at) * sizeof *words);
+    free(s->args.words);
+    s->args.words = words;
+    s->args.n_words++;
+    return VV_OK;
+}
+
+/* Only what is the operation's own may be said in a step. */
+static vv_status check_options(const step *s)
+{
+    char name[64];
+    for (size_t i = 0; i < s->args.n_given; i++) {
+        if (s->args.given[i].cls == s->verb.options[0])
+            continue;
+        cli_option_name(name, s->args.given[i].row);
+        return vv_fail(VV_E_ARGUMENT, "--%s is not about the operation; write it outside of the chain", name);
+    }
+    return VV_OK;
+}
+
+static vv_status parse(step *s)
+{
+    const vv_operation *operation = vv_registry_operation(s->command->registry, s->argv[0]);
+    vv_status st;
+    if ((st = cli_args_parse(&s->args, &s->verb, s->argc - 1, s->argv + 1)) != VV_OK ||
+        (st = check_options(s)) != VV_OK || (st = place_source(s, operation)) != VV_OK)
+        return st;
+    s->verb.operation = operation;
+    if ((st = cli_operands_take(&s->args, &s->verb)) != VV_OK)
+        return st;
+    if (s->args.n_words <= vv_operation_most(operation) && s->args.n_words <= INPUTS_MOST)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "takes %zu inputs at most, there are %zu", vv_operation_most(operation),
+                   s->args.n_words);
+}
+
+/* Inputs ----------------------------------------------------------------------------------------------------------- */
+
+static vv_status set_text(vv_object **root, const char *path, const char *text)
+{
+    vvi_text json = {0};
+    vvi_text_json(&json, text);
+    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_set(root, path, json.s, NULL);
+    vvi_text_free(&json);
+    return st;
+}
+
+static void free_id(char out[ID_ROOM], const vv_world *world, const char *id)
+{
+    unsigned n = 1;
+    do
+        vvi_world_number_id(out, id, n++);
+    while (vv_collection_find(world->datasets, out));
+}
+
+static bool same(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* A file that the World has already is not added again. */
+static const char *dataset_of_file(const vv_world *world, const cli_input_name *name)
+{
+    for (size_t i = 0; i < world->datasets->n; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        if (same(dataset->path, name->path) && same(dataset->part, name->part))
+            return world->datasets->entry[i].id;
+    }
+    return NULL;
+}
+
+static vv_status add_file(step *s, char id_out[ID_ROOM], const cli_input_name *name)
+{
+    char id[ID_ROOM], path[ID_ROOM + 32];
+    vv_object *root = &(*s->world)->base;
+    const char *there = dataset_of_file(*s->world, name);
+    if (there) {
+        snprintf(id_out, ID_ROOM, "%s", there);
+        return VV_OK;
+    }
+    if (name->frame >= 0)
+        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL, "@%lld: a time step of a further input cannot be chosen",
+                          (long long)name->frame);
+    if (access(name->path, F_OK) != 0)
+        return vv_fail_at(VV_E_READ, name->path, NULL, "there is no such file, nor a dataset of that name");
+    vvi_world_id(id, name->path);
+    free_id(id_out, *s->world, id);
+    snprintf(path, sizeof path, "datasets.%s.path", id_out);
+    vv_status st = vv_path_add(&root, "datasets", id_out, NULL, NULL);
+    if (st == VV_OK)
+        st = set_text(&root, path, name->path);
+    snprintf(path, sizeof path, "datasets.%s.part", id_out);
+    if (st == VV_OK && name->part)
+        st = set_text(&root, path, name->part);
+    *s->world = (vv_world *)(void *)root;
+    return st;
+}
+
+static vv_status take_inputs(step *s)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < s->args.n_words && st == VV_OK; i++) {
+        cli_input_name name;
+        const char *word = s->args.words[i];
+        if (word == s->from || (vv_collection_find((*s->world)->datasets, word) && access(word, F_OK) != 0)) {
+            snprintf(s->inputs[i], ID_ROOM, "%s", word);
+            continue;
+        }
+        if ((st = cli_input_split(&name, word)) != VV_OK)
+            break;
+        st = add_file(s, s->inputs[i], &name);
+        cli_input_name_free(&name);
+    }
+    return st;
+}
+
+/* Parameters ------------------------------------------------------------------------------------------------------- */
+
+static const vv_dataset *dataset_of(const step *s, const char *id)
+{
+    return (const vv_dataset *)(const void *)vv_collection_find((*s->world)->datasets, id);
+}
+
+/* The further input whose labels parameters name, where the operation says that there is one. */
+static vv_status open_labels(cli_input *out, step *s)
+{
+    for (size_t i = 1; i < s->args.n_words; i++)
+        if (vv_operation_operand(s->verb.operation, i)->names_labels) {
+            const vv_dataset *dataset = dataset_of(s, s->inputs[i]);
+            out->path = s->inputs[i];
+            return dataset->fields ? VV_OK : vvi_dataset_open(&out->file, *s->world, dataset, s->command->job);
+        }
+    return VV_OK;
+}
+
+/* As `volvis NAME` reads its options: lengths of the first input, channels and labels by its names. */
+static vv_status make_params(vv_object **out, step *s)
+{
+    const vv_dataset *first = dataset_of(s, s->inputs[0]);
+    const vv_class *cls = s->verb.options[0];
+    cli_input input = {.path = s->inputs[0]};
+    vv_field *field = NULL;
+    if (vv_dataset_is_mesh(first, s->command->job)) {
+        vv_mesh *mesh = NULL;
+        vv_field_info info = vv_field_info_default();
+        vv_status st = vv_dataset_mesh(&mesh, *s->world, first, s->command->job);
+        if (st != VV_OK)
+            return st;
+        snprintf(info.grid.unit, sizeof info.grid.unit, "%s", vv_mesh_get_info(mesh)->unit);
+        const vv_property_context context = cli_input_context(&info, s->command->registry);
+        st = cli_label_params(out, &s->args, cls, &context, &(cli_label_names){0});
+        vv_mesh_release(mesh);
+        return st;
+    }
+    vv_status st = VV_OK;
+    if (first->fields) { /* standard input: it was read */
+        if ((st = vv_dataset_field(&field, *s->world, first, NULL, 0, s->command->job)) != VV_OK)
+            return st;
+        const vv_property_context context = cli_input_context(vv_field_get_info(field), s->command->registry);
+        st = cli_label_params(out, &s->args, cls, &context, &(cli_label_names){0});
+        vv_field_release(field);
+        return st;
+    }
+    cli_input labels = {0};
+    st = vvi_dataset_open(&input.file, *s->world, first, s->command->job);
+    if (st == VV_OK)
+        st = open_labels(&labels, s);
+    const cli_args own = s->command->args;
+    s->command->args = s->args;
+    if (st == VV_OK)
+        st = cli_channel_params(out, s->command, &input, labels.path ? &labels : &input, cls);
+    s->command->args = own;
+    vv_file_close(labels.file);
+    vv_file_close(input.file);
+    return st;
+}
+
+/* "a,b", of the names that were given, else of the alphabet: the name of input i. */
+static void name_input(char out[ID_ROOM], const char *names, size_t i)
+{
+    for (size_t k = 0; names && k < i; k++) {
+        names = strchr(names, ',');
+        names = names ? names + 1 : NULL;
+    }
+    const size_t n = names ? strcspn(names, ",") : 0;
+    if (n > 0)
+        snprintf(out, ID_ROOM, "%.*s", (int)n, names);
+    else
+        snprintf(out, ID_ROOM, "%c", (char)('a' + i));
+}
+
+static void add_inputs(vvi_text *json, const step *s, const char *names)
+{
+    const vv_operation *operation = s->verb.operation;
+    for (size_t i = 0; i < s->args.n_words; i++) {
+        char name[ID_ROOM];
+        if (operation->inputs[0].names)
+            name_input(name, names, i);
+        else
+            snprintf(name, sizeof name, "%s", vv_operation_operand(operation, i)->name);
+        vvi_text_add(json, i ? ", " : "");
+        vvi_text_json(json, name);
+        vvi_text_printf(json, ": \"%s\"", s->inputs[i]);
+    }
+}
+
+/* {"operation": "gaussian", "inputs": {"volume": "head"}, "parameters": {"sigma": 1}} */
+static vv_status print_recipe(vvi_text *json, const step *s, vv_object **params)
+{
+    const vv_operation *operation = s->verb.operation;
+    const char *row = operation->inputs[0].names, *names = NULL;
+    char *own_names = NULL, *text = NULL;
+    vv_status st = VV_OK;
+    if (row && vv_object_is_set(*params, row)) {
+        const vv_property *property = vv_class_find((*params)->cls, row);
+        names = *(char *const *)(const void *)((const char *)*params + property->offset);
+        own_names = vvi_strdup(names);
+        st = own_names ? vv_path_unset(params, row, NULL) : vv_fail_memory(strlen(names));
+    }
+    if (st == VV_OK)
+        st = vv_object_to_json(&text, *params, 0);
+    vvi_text_printf(json, "{\"operation\": \"%s\", \"inputs\": {", operation->name);
+    add_inputs(json, s, own_names);
+    vvi_text_add(json, "}");
+    if (st == VV_OK && strcmp(text, "{}") != 0)
+        vvi_text_printf(json, ", \"parameters\": %s", text);
+    vvi_text_add(json, "}");
+    free(text);
+    free(own_names);
+    return st == VV_OK && json->bad ? vv_fail_memory(json->n) : st;
+}
+
+/* Datasets --------------------------------------------------------------------------------------------------------- */
+
+static vv_status add_dataset(step *s, char id_out[ID_ROOM])
+{
+    vv_object *params = NULL, *root = &(*s->world)->base;
+    char name[ID_ROOM];
+    vvi_text json = {0};
+    vv_status st = make_params(&params, s);
+    if (st != VV_OK)
+        return st;
+    vvi_world_id(name, s->verb.name);
+    free_id(id_out, *s->world, name);
+    if ((st = print_recipe(&json, s, &params)) == VV_OK)
+        st = vv_path_add(&root, "datasets", id_out, json.s, NULL);
+    *s->world = (vv_world *)(void *)root;
+    vv_object_release(params);
+    vvi_text_free(&json);
+    return st;
+}
+
+/* Whether it can be made at all is known before anything is: its size, and that its inputs fit. */
+static vv_status check(const step *s, const char *id)
+{
+    vv_field_info info;
+    const vv_dataset *dataset = dataset_of(s, id);
+    vv_job *job = s->command->job;
+    return vv_dataset_is_mesh(dataset, job) ? VV_OK : vv_dataset_info(&info, *s->world, dataset, job);
+}
+
+static vv_status add_step(step *s, char id_out[ID_ROOM], char *text, const char *const *more, size_t n_more)
+{
+    vv_status st = split(s, text);
+    for (size_t i = 0; i < n_more && st == VV_OK; i++) {
+        if (s->argc == WORDS_MOST)
+            return vv_fail(VV_E_LIMIT, "the step has more than %d words", WORDS_MOST);
+        s->argv[s->argc++] = (char *)(uintptr_t)more[i];
+    }
+    if (st == VV_OK && (st = find_operation(s)) == VV_OK && (st = parse(s)) == VV_OK &&
+        (st = take_inputs(s)) == VV_OK && (st = add_dataset(s, id_out)) == VV_OK)
+        st = check(s, id_out);
+    return st;
+}
+
+vv_status cli_chain_add(vv_world **world, char id_out[ID_ROOM], cli_command *command, const char *chain,
+                        const char *from, const char *const *more, size_t n_more)
+{
+    char piped[ID_ROOM];
+    vv_status st = VV_OK;
+    size_t number = 1;
+    snprintf(piped, sizeof piped, "%s", from);
+    for (;; number++) {
+        step s = {.command = command, .world = world, .from = piped};
+        const size_t n = step_length(chain);
+        char *text = strndup(chain, n);
+        if (!text)
+            return vv_fail_memory(n);
+        st = add_step(&s, id_out, text, number == 1 ? more : NULL, number == 1 ? n_more : 0);
+        if (st != VV_OK)
+            st = vv_fail_in(st, "step %zu of the chain%s%s", number, s.argc ? ", " : "", s.argc ? s.argv[0] : "");
+        cli_args_free(&s.args);
+        free(text);
+        if (st != VV_OK || !chain[n])
+            return st;
+        chain += n + 1;
+        snprintf(piped, sizeof piped, "%s", id_out);
+    }
+}
+
+const char *cli_chain_source(const vv_world *world, const char *input)
+{
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const vv_dataset *dataset = cli_input_dataset(world, volume);
+        for (size_t k = 0; volume->visible && dataset && k < world->datasets->n; k++)
+            if (world->datasets->entry[k].object == &dataset->base)
+                return world->datasets->entry[k].id;
+    }
+    vv_fail_at(VV_E_ARGUMENT, input, NULL, "shows no data that an operation could work on");
+    return NULL;
+}
+
+/* The first volume, and all others that show the same, show the last of the chain. */
+static vv_status show_in_place(vv_world **world, const char *from, const char *id)
+{
+    vv_object *root = vv_object_retain(&(*world)->base);
+    const vv_collection *volumes = (*world)->volumes;
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
+        char path[ID_ROOM + 32];
+        snprintf(path, sizeof path, "volumes.%s.data", volumes->entry[i].id);
+        if (!volume->data || strcmp(volume->data, from) == 0)
+            st = set_text(&root, path, id);
+    }
+    vv_object_release(&(*world)->base);
+    *world = (vv_world *)(void *)root;
+    return st;
+}
+
+vv_status cli_chain_apply(vv_world **world, cli_command *command, const char *chain, const char *input)
+{
+    char from[ID_ROOM], id[ID_ROOM];
+    vv_world *shown = NULL;
+    const char *source = cli_chain_source(*world, input);
+    if (!source)
+        return VV_E_ARGUMENT;
+    snprintf(from, sizeof from, "%s", source);
+    vv_status st = cli_chain_add(world, id, command, chain, from, NULL, 0);
+    if (st != VV_OK)
+        return st;
+    if (cli_input_contents(command, input) != CLI_INPUT_DATA)
+        return show_in_place(world, from, id);
+    if ((st = vvi_world_for_dataset(&shown, *world, id, command->job)) != VV_OK)
+        return st;
+    vv_object_release(&(*world)->base);
+    *world = shown;
+    return VV_OK;
+}

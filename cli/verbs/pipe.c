@@ -1,0 +1,311 @@
+/* Operations one after the other: their result as a file, or a scene that remembers how it is made. */
+#include "chain.h"
+#include "command.h"
+#include "findings.h"
+#include "mesh.h"
+#include "model/context.h"
+#include "model/dataset.h"
+#include "output.h"
+#include "pipeline.h"
+#include "run/made.h"
+#include "scene/load.h"
+#include "verbs.h"
+#include "watch.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { INPUTS_MOST = 16 };
+
+typedef struct piping {
+    cli_command *command;
+    const char *output, *chain;
+    const char *input[INPUTS_MOST]; /* n of them */
+    size_t n;
+    vv_world *world;
+    char last[64];    /* dataset of the World */
+    int64_t frame;    /* of the first input; -1: none was chosen */
+    bool from_stream; /* which has been read */
+} piping;
+
+/* What no file is called, and begins with an operation. */
+static bool is_chain(const cli_command *command, const char *word)
+{
+    char name[64];
+    word += strspn(word, " ");
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(word, " |"), word);
+    for (const vv_operation *const *row = command->registry->operations; *row; row++)
+        if (strcmp((*row)->name, name) == 0)
+            return access(word, F_OK) != 0;
+    return strchr(word, '|') && access(word, F_OK) != 0;
+}
+
+static vv_status take_words(piping *p)
+{
+    for (size_t i = 0; i < p->command->args.n_words; i++) {
+        const char *word = p->command->args.words[i];
+        if (!p->chain && is_chain(p->command, word))
+            p->chain = word;
+        else if (p->n < INPUTS_MOST)
+            p->input[p->n++] = word;
+    }
+    if (!p->chain)
+        return vv_fail(VV_E_ARGUMENT, "no word is a chain of operations; quote it, as in 'gaussian --sigma 1mm | "
+                                      "threshold --range 80..', and 'volvis operations' lists what there is");
+    return p->n > 0 ? VV_OK : vv_fail(VV_E_ARGUMENT, "an input is missing: the file that the first operation works on");
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), m = strlen(end);
+    return n >= m && strcmp(text + n - m, end) == 0;
+}
+
+static const vv_dataset *result(const piping *p)
+{
+    return (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, p->last);
+}
+
+/* The World of the input, with what is made of it. */
+static vv_status make_world(piping *p)
+{
+    vvi_recipe recipe;
+    vv_status st = cli_input_world(&p->world, &recipe, p->command, p->input[0]);
+    const char *source = st == VV_OK ? cli_chain_source(p->world, p->input[0]) : NULL;
+    if (!source)
+        return st == VV_OK ? VV_E_ARGUMENT : st;
+    const vv_dataset *from = (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, source);
+    p->from_stream = from->fields != NULL;
+    p->frame = -1;
+    for (size_t i = 0; i < p->world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)p->world->volumes->entry[i].object;
+        if (vv_object_is_set(&volume->base, "frame"))
+            p->frame = volume->frame;
+    }
+    return cli_chain_add(&p->world, p->last, p->command, p->chain, source, p->input + 1, p->n - 1);
+}
+
+/* A scene ------------------------------------------------------------------------------------------------------- */
+
+static vv_status set_frames(vv_world **world, int64_t frame)
+{
+    vv_object *root = &(*world)->base;
+    vv_status st = VV_OK;
+    const size_t n = (*world)->volumes->n;
+    for (size_t i = 0; i < n && st == VV_OK && frame >= 0; i++) {
+        char path[128], value[32];
+        const vv_world *now = (const vv_world *)(const void *)root;
+        snprintf(path, sizeof path, "volumes.%s.frame", now->volumes->entry[i].id);
+        snprintf(value, sizeof value, "%lld", (long long)frame);
+        st = vv_path_set(&root, path, value, NULL);
+    }
+    *world = (vv_world *)(void *)root;
+    return st;
+}
+
+static vv_status write_scene(piping *p)
+{
+    cli_command *command = p->command;
+    vv_world *shown = NULL;
+    if (p->from_stream)
+        return vv_fail_at(VV_E_ARGUMENT, "standard input", NULL,
+                          "cannot be named by a scene; write it to a file first, or write the result with -o FILE");
+    vv_status st = vvi_world_for_dataset(&shown, p->world, p->last, command->job);
+    if (st == VV_OK && (st = set_frames(&shown, p->frame)) == VV_OK && !command->common->dry_run)
+        st = vv_scene_write(p->output, shown, command->job);
+    if (st == VV_OK) {
+        vvi_result_string(&command->json, "output", p->output);
+        vvi_result_string(&command->json, "dataset", p->last);
+        vvi_result_bool(&command->json, "dry_run", command->common->dry_run);
+        vvi_text_add_clean(&command->text, p->output);
+        vvi_text_printf(&command->text, ": a scene that shows '%s', made of %s when it is needed\n", p->last,
+                        p->input[0]);
+    }
+    vv_object_release(shown ? &shown->base : NULL);
+    return st;
+}
+
+/* A mesh -------------------------------------------------------------------------------------------------------- */
+
+static vv_status write_mesh(piping *p)
+{
+    cli_command *command = p->command;
+    vv_mesh_write_options options;
+    vv_mesh *mesh = NULL;
+    vvi_result_string(&command->json, "output", p->output);
+    vvi_result_bool(&command->json, "dry_run", command->common->dry_run);
+    if (command->common->dry_run) {
+        cli_command_line(command, "makes", "%s: a mesh", p->output);
+        return VV_OK;
+    }
+    vv_status st = vv_dataset_mesh(&mesh, p->world, result(p), command->job);
+    cli_output_mesh_options(&options, command);
+    if (st == VV_OK && (st = vv_mesh_write(p->output, mesh, &options, command->job)) == VV_OK) {
+        const vv_mesh_info *info = vv_mesh_get_info(mesh);
+        vvi_text_add_clean(&command->text, p->output);
+        vvi_text_printf(&command->text, ": %zu vertices, %zu triangles\n", info->n_vertices, info->n_triangles);
+        vvi_result_unsigned(&command->json, "vertices", info->n_vertices);
+        vvi_result_unsigned(&command->json, "triangles", info->n_triangles);
+    }
+    vv_mesh_release(mesh);
+    return st;
+}
+
+/* Samples ------------------------------------------------------------------------------------------------------- */
+
+/* The chain as steps of one run, which streams what memory does not hold. */
+typedef struct steps {
+    vv_step step[VVI_MADE_DEEPEST]; /* the first one first */
+    size_t n;
+} steps;
+
+static vv_status add_step(steps *out, const vvi_made *made, vv_job *job)
+{
+    vv_step step = {made->operation, NULL};
+    if (out->n == VVI_MADE_DEEPEST)
+        return vv_fail(VV_E_LIMIT, "the chain has more than %d steps", VVI_MADE_DEEPEST);
+    const vv_status st = vvi_made_params(&step.params, made, job);
+    if (st != VV_OK)
+        return st;
+    memmove(out->step + 1, out->step, out->n++ * sizeof step);
+    out->step[0] = step;
+    return VV_OK;
+}
+
+/* "values=ct.nrrd" names an input. */
+static bool names_inputs(const piping *p)
+{
+    for (size_t i = 1; i < p->n; i++)
+        if (strchr(p->input[i], '=') && access(p->input[i], F_OK) != 0)
+            return true;
+    return false;
+}
+
+/* *one_run_out: each step but the first works on the one before it alone, and the first on the inputs as they stand. */
+static vv_status take_steps(steps *out, bool *one_run_out, const piping *p, const char *source)
+{
+    const vv_dataset *dataset = result(p);
+    bool first = false;
+    vv_status st = VV_OK;
+    *one_run_out = !p->from_stream && !names_inputs(p);
+    while (st == VV_OK && !first && *one_run_out) {
+        vvi_made made;
+        if ((st = vvi_made_open(&made, p->world, dataset, p->command->job)) == VV_OK) {
+            st = add_step(out, &made, p->command->job);
+            first = strcmp(made.input_id[0], source) == 0;
+            *one_run_out = made.n == (first ? p->n : 1);
+            dataset = made.input[0];
+        }
+        vvi_made_close(&made);
+    }
+    return st;
+}
+
+static vv_status run_on_files(piping *p, const steps *all)
+{
+    cli_input inputs[INPUTS_MOST] = {{0}};
+    size_t n = 0;
+    vv_status st = VV_OK;
+    for (; n < p->n && st == VV_OK; n++)
+        st = cli_input_open(&inputs[n], p->command, p->input[n]);
+    if (st == VV_OK)
+        st = cli_pipeline_run(p->command, inputs, p->n, all->step, all->n);
+    for (size_t i = 0; i < n; i++)
+        cli_input_close(&inputs[i]);
+    return st;
+}
+
+/* With further inputs on the way: what is in between is in memory. */
+static vv_status run_on_world(piping *p)
+{
+    cli_input input = {.frame = p->frame, .path = strdup(p->input[0])};
+    vv_status st = input.path ? vvi_dataset_open(&input.file, p->world, result(p), p->command->job)
+                              : vv_fail_memory(strlen(p->input[0]));
+    if (st == VV_OK)
+        st = cli_pipeline_run(p->command, &input, 1, NULL, 0);
+    cli_input_close(&input);
+    return st;
+}
+
+static vv_status write_samples(piping *p)
+{
+    steps all = {.n = 0};
+    bool one_run = false;
+    const char *source = cli_chain_source(p->world, p->input[0]);
+    vv_status st = source ? take_steps(&all, &one_run, p, source) : VV_E_ARGUMENT;
+    if (st == VV_OK)
+        st = one_run ? run_on_files(p, &all) : run_on_world(p);
+    for (size_t i = 0; i < all.n; i++)
+        vv_object_release(all.step[i].params);
+    return st;
+}
+
+/* The whole ----------------------------------------------------------------------------------------------------- */
+
+static vv_status check_output(piping *p, bool *scene_out)
+{
+    cli_command *command = p->command;
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    const vv_status st = cli_output_need(&p->output, command, "the scene or the result");
+    if (st != VV_OK)
+        return st;
+    *scene_out = ends_with(p->output, ".vv.json");
+    if (*scene_out)
+        return cli_output_check(command, p->output, CLI_OUTPUT_TEXT, NULL);
+    const bool mesh = cli_mesh_is_output(command, p->output, writing->output_format);
+    return cli_output_check(command, p->output, mesh ? CLI_OUTPUT_MESH : CLI_OUTPUT_VOLUME, writing->output_format);
+}
+
+/* A result goes into a file of its own kind. */
+static vv_status check_kind(const piping *p, bool mesh)
+{
+    const cli_writing *writing = cli_command_options(p->command, &cli_writing_class);
+    return cli_output_check(p->command, p->output, mesh ? CLI_OUTPUT_MESH : CLI_OUTPUT_VOLUME, writing->output_format);
+}
+
+static vv_status run(cli_command *command)
+{
+    piping p = {.command = command};
+    bool scene = false;
+    vv_status st;
+    if ((st = take_words(&p)) != VV_OK || (st = check_output(&p, &scene)) != VV_OK ||
+        (st = cli_command_start(command)) != VV_OK)
+        return st;
+    if ((st = make_world(&p)) == VV_OK) {
+        const bool mesh = vv_dataset_is_mesh(result(&p), command->job);
+        if (scene)
+            st = write_scene(&p);
+        else if ((st = check_kind(&p, mesh)) == VV_OK)
+            st = mesh ? write_mesh(&p) : write_samples(&p);
+    }
+    vv_object_release(p.world ? &p.world->base : NULL);
+    return st;
+}
+
+static const char *const examples[] = {
+    "volvis pipe head.nii.gz 'gaussian --sigma 1mm | threshold --range 80..' -o mask.nii.gz",
+    "volvis pipe head.nii.gz 'median | isosurface --iso 90 | simplify --share 0.2' -o skin.ply",
+    "volvis pipe head.nii.gz 'gaussian --sigma 1mm' -o smooth.vv.json",
+    NULL,
+};
+
+const cli_verb cli_verb_pipe = {
+    .name = "pipe",
+    .doc = "operations one after the other; a scene as the output remembers how the result is made",
+    .about =
+        "CHAIN is one word: operations with their options and a bar between two, as in 'gaussian --sigma 1mm | "
+        "threshold --range 80..'. The first works on INPUT, each of the others on the result of the one before it; "
+        "further inputs stand behind the operation that takes them: 'calc \"a - b\" b=mean.nii.gz'. The result is "
+        "what the operations give one by one. If OUTPUT is a scene (*.vv.json) nothing is worked out: the scene "
+        "says how, and the data are made when a picture or a measurement needs them. --set changes a step: "
+        "'volvis render scene.vv.json --set datasets.gaussian.parameters.sigma=2mm'.",
+    .words = "INPUT CHAIN",
+    .choices = "files",
+    .min_words = 2,
+    .max_words = INPUTS_MOST,
+    .options = {NULL, &cli_reading_rest_class, &cli_writing_class, &cli_watching_class},
+    .examples = examples,
+    .makes_file = true,
+    .run = run,
+};

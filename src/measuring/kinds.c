@@ -1,0 +1,191 @@
+/* The rows: what can be measured, of what, and with which properties. */
+#include "core/memory.h"
+#include "core/status.h"
+#include "core/text.h"
+#include "measuring/measuring.h"
+#include "model/classes.h"
+#include <stdio.h>
+#include <string.h>
+
+#define OBJECT "iso threshold_lo threshold_hi label mask seed space box cut_planes component "
+#define SURFACE "iso label component box cut_planes "
+#define VOLUME VV_MEASURED_VOLUME
+#define MESH VV_MEASURED_MESH
+#define SHOWN VV_MEASURED_SHOWN
+#define FORMS(...) ((const vv_measure_form[]){__VA_ARGS__, {0}})
+#define OF_VOLUME(uses, run) FORMS({VOLUME, 0, 0, uses, 0, run})
+/* Of objects in volumes, of meshes, and of those that a scene shows. */
+#define EXTENT(uses, uses_shown, what, run, more)                                                                      \
+    FORMS({VOLUME, 0, 0, OBJECT uses, (what) | (more), run}, {MESH, 0, 0, "input_unit", what, vvi_measure_mesh},       \
+          {SHOWN, 0, 0, uses_shown, what, vvi_measure_shown})
+
+static const vv_measure_kind kinds[] = {
+    {.name = "area",
+     .doc = "how large the surface of an object is",
+     .also = "surface",
+     .forms = EXTENT("method closed", "closed", VVI_AREA, vvi_measure_object, VVI_DETAILS)},
+    {.name = "volume",
+     .doc = "how much an object holds",
+     .forms = EXTENT("method", "", VVI_VOLUME, vvi_measure_object, 0)},
+    {.name = "box",
+     .doc = "where an object lies: its centroid and its bounding box",
+     .also = "centroid",
+     .forms = EXTENT("method", "", VVI_BOX, vvi_measure_object, 0)},
+    {.name = "statistics",
+     .doc = "mean, deviation, percentiles and other figures of values",
+     .also = "stats mean deviation percentiles",
+     .forms = OF_VOLUME(OBJECT, vvi_measure_statistics)},
+    {.name = "histogram",
+     .doc = "how often values occur",
+     .plot = true,
+     .marks = true,
+     .logarithmic = true,
+     .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_histogram)},
+    {.name = "profile",
+     .doc = "values along a line",
+     .also = "line",
+     .plot = true,
+     .forms = OF_VOLUME("points space samples component", vvi_measure_profile)},
+    {.name = "distance",
+     .doc = "between points, from a point to a surface, or between two surfaces",
+     .also = "hausdorff",
+     .forms = FORMS({MESH, MESH, 0, "input_unit", VVI_SURFACE, vvi_measure_two_surfaces},
+                    {VOLUME, VOLUME, 0, SURFACE "other_iso other_label", VVI_SURFACE, vvi_measure_two_surfaces},
+                    {VOLUME | MESH, VOLUME | MESH, 0, SURFACE "other_iso other_label input_unit", VVI_SURFACE,
+                     vvi_measure_two_surfaces},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_point_to_surface},
+                    {VOLUME, 0, 1, SURFACE "points space seed", VVI_SURFACE, vvi_measure_point_to_surface},
+                    {VOLUME, 0, 0, "points space", 0, vvi_measure_distance})},
+    {.name = "angle", .doc = "at the second of three points", .forms = OF_VOLUME("points space", vvi_measure_angle)},
+    {.name = "labels",
+     .doc = "count, volume, area and place of every label",
+     .forms = OF_VOLUME("values component method box cut_planes", vvi_measure_label_table)},
+    {.name = "geodesic",
+     .doc = "the path between two points along a surface",
+     .also = "path",
+     .forms = FORMS({VOLUME, 0, 0, SURFACE "points space seed", VVI_SURFACE, vvi_measure_geodesic},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_geodesic})},
+    {.name = "summary",
+     .doc = "statistics, area, volume and box",
+     .covers = "statistics, area, volume, box",
+     .forms = EXTENT("method closed", "closed", VVI_EXTENT, vvi_measure_summary, 0)},
+    {.name = "joint",
+     .doc = "how often values occur with lengths of the gradient",
+     .plot = true,
+     .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_joint_histogram)},
+};
+enum { N_KINDS = sizeof kinds / sizeof *kinds };
+
+const vv_measure_kind *vv_measure_kind_nth(size_t index)
+{
+    return index < N_KINDS ? &kinds[index] : NULL;
+}
+
+const vv_measure_kind *vv_measure_kind_find(const char *name)
+{
+    for (size_t i = 0; i < N_KINDS; i++)
+        if (strcmp(name, kinds[i].name) == 0)
+            return &kinds[i];
+    return NULL;
+}
+
+const vv_measure_kind *vv_measure_kind_of(const vv_measurement *question)
+{
+    return vv_measure_kind_find(vv_class_find(&vvi_measurement_class, "what")->names[question->what]);
+}
+
+static bool has_points(const vv_measure_form *form, size_t n)
+{
+    return form->n_points == 0 || form->n_points == n;
+}
+
+const vv_measure_form *vv_measure_form_of(const vv_measure_kind *kind, unsigned input, unsigned other, size_t n_points)
+{
+    for (const vv_measure_form *form = kind->forms; form->run; form++)
+        if ((form->input & input) && (other ? form->other & other : !form->other) && has_points(form, n_points))
+            return form;
+    return NULL;
+}
+
+/* "area, volume and box": kinds that have a form of such data, and none of `not`. */
+static void list_kinds(vvi_text *out, unsigned input, unsigned not )
+{
+    const char *names[N_KINDS];
+    size_t n = 0;
+    for (size_t i = 0; i < N_KINDS; i++) {
+        unsigned of = 0;
+        for (const vv_measure_form *form = kinds[i].forms; form->run; form++)
+            of |= form->input;
+        if ((of & input) && !(of & not ) && !kinds[i].covers)
+            names[n++] = kinds[i].name;
+    }
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(out, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " and ", names[i]);
+}
+
+vv_status vvi_measure_refuse(const vv_measure_kind *kind, unsigned input, const char *name)
+{
+    vvi_text shown = {0}, mesh = {0};
+    vv_status st = VV_E_ARGUMENT;
+    list_kinds(&shown, SHOWN, 0);
+    list_kinds(&mesh, MESH, input == SHOWN ? SHOWN : 0);
+    if (shown.bad || mesh.bad)
+        st = vv_fail_memory(shown.n + mesh.n);
+    else if (input == SHOWN)
+        vv_fail(st,
+                "%s shows meshes, of which %s are measured where it places them, and no %s; %s are of the mesh files "
+                "themselves: name these",
+                name, shown.s, kind->name, mesh.s);
+    else if (input == MESH)
+        vv_fail(st, "%s is a mesh, which has %s; no %s", name, mesh.s, kind->name);
+    else
+        vv_fail(st, "%s: no %s is measured of such data", name, kind->name);
+    vvi_text_free(&shown);
+    vvi_text_free(&mesh);
+    return st;
+}
+
+/* Running --------------------------------------------------------------------------------------------------------- */
+
+bool vvi_asks(const vvi_measuring *m, const char *property)
+{
+    return vv_object_is_set(&m->asked->base, property);
+}
+
+static unsigned is_what(const vv_measured_data *data)
+{
+    return !data ? 0 : data->field ? VOLUME : data->shown ? SHOWN : MESH;
+}
+
+/* A volume is opened before, unless a surface of it is meant. */
+static vv_status run_form(vvi_measuring *m, const vv_measure_form *form)
+{
+    vv_answer *answer = m->answer;
+    const bool opened = m->input->field && !(form->what & VVI_SURFACE);
+    vv_status st = opened ? vvi_measuring_open(m) : VV_OK;
+    m->what = form->what;
+    if (st == VV_OK && opened)
+        vvi_tell_text(answer, "region", m->region);
+    if (st == VV_OK && (st = form->run(m)) == VV_OK && opened) {
+        snprintf(answer->object, sizeof answer->object, "%s", m->object);
+        snprintf(answer->region, sizeof answer->region, "%s", strcmp(m->region, "all") ? m->region : "");
+    }
+    vvi_measuring_close(m);
+    return st;
+}
+
+vv_status vv_measure_run(vv_answer **out, const vv_measurement *question, const vv_measured_inputs *inputs, vv_job *job)
+{
+    const vv_measure_kind *kind = vv_measure_kind_of(question);
+    vv_answer *answer = *out = vvi_calloc(1, sizeof *answer);
+    if (!answer)
+        return vv_fail_memory(sizeof *answer);
+    if (!inputs->n_inputs)
+        return vv_fail(VV_E_ARGUMENT, "%s: there is nothing to measure", kind->name);
+    const size_t n_points = question->points ? question->points->n / 3 : 0;
+    const unsigned is = is_what(inputs->input);
+    const vv_measure_form *form = vv_measure_form_of(kind, is, is_what(inputs->other), n_points);
+    vvi_measuring m = {.asked = question, .inputs = inputs, .input = inputs->input, .answer = answer, .job = job};
+    const vv_status st = form ? run_form(&m, form) : vvi_measure_refuse(kind, is, inputs->input->name);
+    return st == VV_OK && answer->bad ? vv_fail_memory(answer->n * sizeof *answer->item) : st;
+}

@@ -1,0 +1,71 @@
+/* Area, volume and box of meshes. */
+#include "measuring/meshes.h"
+#include <math.h>
+#include <stdio.h>
+
+static void put(vv_answer *a, const char *key, const char *label, const vv_figure *f)
+{
+    vvi_figure out = {.key = key, .label = label, .value = f->value, .error = f->error};
+    snprintf(out.unit, sizeof out.unit, "%s", f->unit);
+    vvi_tell_figure(a, &out);
+}
+
+static void put_place(vv_answer *a, const vv_mesh_measures *m, const char *unit)
+{
+    const bool empty = m->bounds.lo.x > m->bounds.hi.x;
+    const vv_vec3 none = {NAN, NAN, NAN}, lo = empty ? none : m->bounds.lo, hi = empty ? none : m->bounds.hi;
+    const double centre[3] = {m->centroid[0].value, m->centroid[1].value, m->centroid[2].value};
+    const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
+    const double error[3] = {m->centroid[0].error, m->centroid[1].error, m->centroid[2].error};
+    vvi_tell_place(a, "centroid", centre, error, unit);
+    vvi_tell_numbers(a, "centroid_error", error, 3);
+    vvi_tell_place(a, "box_lo", (double[]){lo.x, lo.y, lo.z}, NULL, unit);
+    vvi_tell_place(a, "box_hi", (double[]){hi.x, hi.y, hi.z}, NULL, unit);
+    vvi_tell_place(a, "box_size", size, NULL, unit);
+    char text[VVI_FIGURE_TEXT];
+    vvi_place_print(text, centre, error);
+    if (!isnan(centre[0]))
+        vvi_tell_line(a, "centroid", "%s %s", text, unit);
+    if (empty) {
+        vvi_tell_line(a, "box", "empty");
+        return;
+    }
+    vvi_tell_line(a, "box", "%.6g .. %.6g, %.6g .. %.6g, %.6g .. %.6g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z, unit);
+    vvi_tell_line(a, "", "%.6g x %.6g x %.6g %s", size[0], size[1], size[2], unit);
+}
+
+void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *m, const char *unit)
+{
+    vvi_tell_text(a, "unit", unit);
+    vvi_tell_text(a, "method", "triangles");
+    vvi_tell_count(a, "triangles", m->n_triangles);
+    vvi_tell_bool(a, "closed", m->closed);
+    vvi_tell_count(a, "turned_edges", m->n_turned_edges);
+    if (what == VVI_EXTENT)
+        vvi_tell_line(a, "mesh", "%zu %s, %s", m->n_triangles, vvi_plural(m->n_triangles, "triangle", "triangles"),
+                      m->closed                              ? "closed"
+                      : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
+                                                             : "open: it has no volume");
+    if (what & VVI_AREA)
+        put(a, "area", "area", &m->area);
+    if ((what & VVI_VOLUME) && (m->closed || what != VVI_EXTENT))
+        put(a, "volume", "volume", &m->volume);
+    if (what & VVI_BOX)
+        put_place(a, m, unit);
+    if (m->inside_out)
+        vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
+}
+
+vv_status vvi_measure_mesh(vvi_measuring *m)
+{
+    const vv_mesh *mesh = m->input->mesh;
+    vv_mesh_measure_options o;
+    vv_mesh_measures found;
+    vv_mesh_measure_options_init(&o, sizeof o);
+    o.open = m->what != VVI_VOLUME;
+    const vv_status st = vv_mesh_measure(&found, mesh, &o, m->job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "%s", m->input->name);
+    vvi_mesh_measures_put(m->answer, m->what, &found, vv_mesh_get_info(mesh)->unit);
+    return VV_OK;
+}

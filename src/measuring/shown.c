@@ -1,0 +1,148 @@
+/* Meshes of a scene, where it places them and cut as it cuts them. */
+#include "core/vec.h"
+#include "measuring/meshes.h"
+#include "surface/clip.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* n . M q >= d, made unit again. */
+vv_plane vvi_plane_mapped(const vv_plane *p, const vv_affine *map)
+{
+    const vv_vec3 n = p->normal;
+    const vv_vec3 turned = {vvi_dot(n, map->axis[0]), vvi_dot(n, map->axis[1]), vvi_dot(n, map->axis[2])};
+    const double length = vvi_length(turned);
+    return (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, map->origin)) / length};
+}
+
+/* What the planes keep, in the mesh's own space. */
+static vv_status cut(vv_mesh **out, const vv_measured_data *s, bool cap, vv_job *job)
+{
+    const size_t n = s->n_planes;
+    vv_plane *planes = calloc(n + 1, sizeof *planes);
+    if (!planes)
+        return vv_fail_memory((n + 1) * sizeof *planes);
+    for (size_t i = 0; i < n; i++)
+        planes[i] = vvi_plane_mapped(&s->planes[i], &s->place);
+    const vv_status st = vvi_mesh_clip(out, s->mesh, planes, n, cap, job);
+    free(planes);
+    return st;
+}
+
+static vv_status measure_cut(vv_mesh_measures *out, const vv_measured_data *s, bool cap, bool open, vv_job *job)
+{
+    vv_mesh_measure_options o;
+    vv_mesh *kept = NULL;
+    vv_mesh_measure_options_init(&o, sizeof o);
+    o.to_world = s->place;
+    o.open = open;
+    snprintf(o.unit, sizeof o.unit, "%s", s->unit);
+    vv_status st = cut(&kept, s, cap, job);
+    if (st == VV_OK && (st = vv_mesh_measure(out, kept, &o, job)) != VV_OK)
+        st = vv_fail_in(st, "volumes.%s", s->shown);
+    vv_mesh_release(kept);
+    return st;
+}
+
+/* Cut, it is closed with flat faces, which are no part of its area unless they are asked for. */
+static vv_status measure_shown(vv_mesh_measures *out, const vv_measured_data *s, bool open, bool closed, vv_job *job)
+{
+    vv_mesh_measures without;
+    vv_status st = measure_cut(out, s, true, open, job);
+    if (st == VV_OK && s->n_planes && !closed && (st = measure_cut(&without, s, false, true, job)) == VV_OK)
+        out->area = without.area;
+    return st;
+}
+
+/* All ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct found {
+    vv_mesh_measures *each, total;
+} found;
+
+/* Centroids by volume, errors added up. */
+static void add(vv_mesh_measures *total, const vv_mesh_measures *m, bool first)
+{
+    if (first) {
+        *total = *m;
+        return;
+    }
+    const double v = total->volume.value, w = m->volume.value;
+    for (int a = 0; a < 3; a++) {
+        total->centroid[a].value = (v * total->centroid[a].value + w * m->centroid[a].value) / (v + w);
+        total->centroid[a].error = (v * total->centroid[a].error + w * m->centroid[a].error) / (v + w);
+    }
+    total->n_triangles += m->n_triangles;
+    total->area.value += m->area.value;
+    total->area.error += m->area.error;
+    total->volume.value += w;
+    total->volume.error += m->volume.error;
+    total->bounds.lo = vvi_vec(fmin(total->bounds.lo.x, m->bounds.lo.x), fmin(total->bounds.lo.y, m->bounds.lo.y),
+                               fmin(total->bounds.lo.z, m->bounds.lo.z));
+    total->bounds.hi = vvi_vec(fmax(total->bounds.hi.x, m->bounds.hi.x), fmax(total->bounds.hi.y, m->bounds.hi.y),
+                               fmax(total->bounds.hi.z, m->bounds.hi.z));
+    total->closed &= m->closed;
+    total->inside_out = false;
+    total->n_open_edges += m->n_open_edges;
+    total->n_turned_edges += m->n_turned_edges;
+}
+
+static vv_status measure_all(found *f, const vvi_measuring *m, bool open)
+{
+    const vv_measured_data *all = m->inputs->input;
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < m->inputs->n_inputs && st == VV_OK; i++) {
+        if (strcmp(all[i].unit, all[0].unit) != 0)
+            st = vv_fail(VV_E_ARGUMENT, "volumes.%s is in %s and volumes.%s in %s: convert one, or hide one with --set",
+                         all[0].shown, all[0].unit, all[i].shown, all[i].unit);
+        if (st == VV_OK && (st = measure_shown(&f->each[i], &all[i], open, m->asked->closed, m->job)) == VV_OK)
+            add(&f->total, &f->each[i], i == 0);
+    }
+    return st;
+}
+
+static void put_each(const vvi_measuring *m, const found *f)
+{
+    vv_answer *a = m->answer;
+    vvi_tell_open(a, "meshes", "[");
+    for (size_t i = 0; i < m->inputs->n_inputs; i++) {
+        const vv_measured_data *s = &m->inputs->input[i];
+        a->part = s->shown;
+        vvi_tell_open(a, NULL, "{");
+        vvi_tell_text(a, "name", s->shown);
+        vvi_tell_line(a, "shown", "%s", s->shown);
+        vvi_mesh_measures_put(a, m->what, &f->each[i], s->unit);
+        vvi_tell_close(a, "}");
+    }
+    vvi_tell_close(a, "]");
+    a->part = NULL;
+}
+
+/* Several are told one by one before all of them together. */
+static void put_all(const vvi_measuring *m, const found *f)
+{
+    vv_answer *a = m->answer;
+    const size_t n = m->inputs->n_inputs;
+    const bool several = n > 1;
+    if (several)
+        put_each(m, f);
+    else
+        vvi_tell_text(a, "mesh", m->input->shown);
+    snprintf(a->object, sizeof a->object, "%zu mesh%s of the scene", n, several ? "es" : "");
+    vvi_tell_line(a, several ? "together" : "shown", "%s, where the scene places %s%s",
+                  several ? a->object : m->input->shown, several ? "them" : "it",
+                  several ? "; what overlaps counts twice" : "");
+    vvi_mesh_measures_put(a, m->what, &f->total, m->input->unit);
+}
+
+vv_status vvi_measure_shown(vvi_measuring *m)
+{
+    found f = {.each = calloc(m->inputs->n_inputs, sizeof *f.each)};
+    vv_status st =
+        f.each ? measure_all(&f, m, m->what != VVI_VOLUME) : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
+    if (st == VV_OK)
+        put_all(m, &f);
+    free(f.each);
+    return st;
+}

@@ -1,0 +1,358 @@
+/* Datasets that are made of others, worked out when they are asked for and kept in the cache. */
+#include "run/made.h"
+#include "core/cache.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/status.h"
+#include "grid/field_copy.h"
+#include "grid/mesh.h"
+#include "model/dataset.h"
+#include "registry.h"
+#include "scene/load.h"
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One thing to make: the user of the cache's makers. */
+typedef struct request {
+    const vv_world *world;
+    const vv_dataset *dataset;
+    int64_t frame;
+} request;
+
+static vv_status get(vvi_cached **out, const char *what, vvi_cache_make_fn *make, void (*drop)(void *value),
+                     const request *r, vv_job *job)
+{
+    vvi_cache_key key = {.what = what};
+    const vv_status st = vvi_made_content(&key.parameters, r->world, r->dataset, job);
+    key.parameters = vvi_hash(&r->frame, sizeof r->frame, key.parameters);
+    return st == VV_OK ? vvi_cache_get(out, &key, make, drop, (void *)(uintptr_t)r, job) : st;
+}
+
+/* Planned ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vvi_made made;
+    vv_object *params = NULL;
+    vv_field_info *info = NULL;
+    vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
+    if (st == VV_OK)
+        st = vvi_made_params(&params, &made, job);
+    if (st == VV_OK && !(info = vvi_alloc(NULL, sizeof *info, VVI_MEM_MODEL)))
+        st = vv_fail_memory(sizeof *info);
+    if (st == VV_OK)
+        st = vvi_made_plan(info, &made, params, job);
+    vv_object_release(params);
+    vvi_made_close(&made);
+    if (st != VV_OK) {
+        vvi_free(info);
+        return st;
+    }
+    *value_out = info;
+    *bytes_out = sizeof *info;
+    return VV_OK;
+}
+
+static vv_status plan(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const request r = {world, dataset, 0};
+    vvi_cached *cached = NULL;
+    const vv_status st = get(&cached, "plan of what is made", make_info, vvi_free, &r, job);
+    if (st == VV_OK)
+        *out = *(const vv_field_info *)vvi_cached_value(cached);
+    vvi_cache_release(cached);
+    return st;
+}
+
+/* Parameters that samples decide ----------------------------------------------------------------------------------- */
+
+static vv_status open_frame(vv_field **out, void *user, size_t index, vv_job *job)
+{
+    const vvi_made *made = user;
+    return vv_dataset_field(out, made->world, made->input[0], NULL, (int64_t)index, job);
+}
+
+/* Time steps share what their samples decide: else each would be stretched by itself. */
+static vv_status settle(vv_object *params, vvi_made *made, int64_t n_frames, vv_job *job)
+{
+    const vv_operation *o = made->operation;
+    const vv_field_series frames = {open_frame, made, (size_t)n_frames};
+    if (n_frames < 2 || vv_operation_makes(o) == VV_IS_MESH || !o->settle || !o->looks(params))
+        return VV_OK;
+    return o->settle(params, &frames, job);
+}
+
+static void drop_params(void *value)
+{
+    vv_object_release(value);
+}
+
+static vv_status make_params(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vvi_made made;
+    vv_field_info info;
+    vv_object *params = NULL;
+    vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
+    if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK &&
+        (st = vv_dataset_info(&info, r->world, r->dataset, job)) == VV_OK)
+        st = settle(params, &made, info.n_frames, job);
+    vvi_made_close(&made);
+    if (st != VV_OK) {
+        vv_object_release(params);
+        return st;
+    }
+    *value_out = params;
+    *bytes_out = params->cls->size;
+    return VV_OK;
+}
+
+/* Samples ---------------------------------------------------------------------------------------------------------- */
+
+/* Inputs as a run has them; what they hold is released by close_inputs(). */
+typedef struct inputs {
+    vv_run_input input[VVI_RUN_INPUTS];
+    vvi_file_labels labels; /* of the first */
+    vvi_words words;
+    size_t n;
+} inputs;
+
+static void close_inputs(inputs *in)
+{
+    for (size_t i = 0; i < in->n; i++) {
+        vv_field_release((vv_field *)(uintptr_t)in->input[i].field);
+        vv_mesh_release((vv_mesh *)(uintptr_t)in->input[i].mesh);
+        vv_file_close(in->input[i].file);
+    }
+    vvi_words_close(&in->words);
+}
+
+/* Of a series the time step that is asked for; else the only one. */
+static vv_status frame_of(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
+{
+    vv_field_info first, info;
+    vv_status st = vv_dataset_info(&info, made->world, made->input[index], job);
+    if (st == VV_OK)
+        st = vv_dataset_info(&first, made->world, made->input[0], job);
+    if (st != VV_OK)
+        return st;
+    *out = info.n_frames > 1 ? frame : 0;
+    if (info.n_frames == 1 || info.n_frames == first.n_frames)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "datasets.%s.inputs: '%s' has %" PRId64 " time steps but '%s' has %" PRId64, made->id,
+                   made->input_id[index], info.n_frames, made->input_id[0], first.n_frames);
+}
+
+/* Files that memory cannot hold beside what is made of them are read in parts by the run. */
+static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
+                            vv_job *job)
+{
+    const vv_dataset *dataset = made->input[index];
+    vv_field *field = NULL;
+    vv_status st = frame_of(&out->frame, made, index, frame, job);
+    if (st != VV_OK)
+        return st;
+    if (in_parts && dataset->path && !dataset->fields && !dataset->checksum)
+        return vvi_dataset_open(&out->file, NULL, dataset, job);
+    st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
+    out->frame = 0;
+    out->field = field;
+    return st;
+}
+
+static vv_status open_mesh(vv_run_input *out, const vvi_made *made, size_t index, vv_job *job)
+{
+    vv_mesh *mesh = NULL;
+    const vv_status st = vv_dataset_mesh(&mesh, made->world, made->input[index], job);
+    out->mesh = mesh;
+    return st;
+}
+
+static vv_status open_inputs(inputs *in, const vvi_made *made, int64_t frame, bool in_parts, vv_job *job)
+{
+    vv_status st = VV_OK;
+    in->n = made->n;
+    for (size_t i = 0; i < made->n && st == VV_OK; i++) {
+        vv_run_input *input = &in->input[i];
+        input->name = made->input_id[i];
+        if (!made->input[i])
+            continue;
+        st = vv_dataset_is_mesh(made->input[i], job) ? open_mesh(input, made, i, job)
+                                                     : open_field(input, made, i, frame, in_parts, job);
+    }
+    return st;
+}
+
+/* More than should be held at once: what is read and what is made of it. */
+static vv_status needs_parts(bool *out, const vvi_made *made, const vv_field_info *result, vv_job *job)
+{
+    uint64_t all = 0, bytes;
+    vv_status st = vv_field_info_bytes(&all, result);
+    for (size_t i = 0; i < made->n && st == VV_OK; i++) {
+        vv_field_info info;
+        if (made->input[i] && (st = vv_dataset_info(&info, made->world, made->input[i], job)) == VV_OK &&
+            (st = vv_field_info_bytes(&bytes, &info)) == VV_OK)
+            all += bytes;
+    }
+    *out = vvi_stream_needed(all, job) && made->operation->run_box;
+    return st;
+}
+
+static vv_status run_field(vv_field **out, const vvi_made *made, vv_object *params, const vv_field_info *info,
+                           int64_t frame, vv_job *job)
+{
+    inputs in = {.n = 0};
+    vv_run *run = NULL;
+    bool in_parts = false;
+    const vv_step step = {made->operation, params};
+    vv_status st = needs_parts(&in_parts, made, info, job);
+    if (st == VV_OK)
+        st = open_inputs(&in, made, frame, in_parts, job);
+    if (st == VV_OK)
+        st = vv_run_new(&run, in.input, in.n, &step, 1, &(vv_run_output){.path = NULL}, made->operation->name, job);
+    if (st == VV_OK)
+        st = vv_run_make(run);
+    if (st == VV_OK && vv_run_get_about(run)->streamed) {
+        const vv_box all = vv_field_box(vv_run_field(run, 0));
+        st = vvi_field_copy_box(out, vv_run_field(run, 0), &all, job);
+    } else if (st == VV_OK) {
+        *out = vv_field_retain(vv_run_field(run, 0));
+    }
+    vv_run_release(run);
+    close_inputs(&in);
+    return st;
+}
+
+static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    const request all = {r->world, r->dataset, 0};
+    vvi_made made;
+    vv_field_info info;
+    vv_field *field = NULL;
+    vvi_cached *params = NULL;
+    vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
+    if (st == VV_OK)
+        st = vv_dataset_info(&info, r->world, r->dataset, job);
+    if (st == VV_OK && (r->frame < 0 || r->frame >= info.n_frames))
+        st = vv_fail(VV_E_ARGUMENT, "there is no time step %" PRId64 ": expected 0 to %" PRId64, r->frame,
+                     info.n_frames - 1);
+    if (st == VV_OK)
+        st = get(&params, "parameters of what is made", make_params, drop_params, &all, job);
+    if (st == VV_OK)
+        st = run_field(&field, &made, vvi_cached_value(params), &info, r->frame, job);
+    if (st == VV_OK)
+        st = vv_field_info_bytes(bytes_out, vv_field_get_info(field));
+    st = vvi_made_fail(&made, NULL, st);
+    vvi_cache_release(params);
+    vvi_made_close(&made);
+    if (st == VV_OK)
+        *value_out = field;
+    else
+        vv_field_release(field);
+    return st;
+}
+
+static void drop_field(void *value)
+{
+    vv_field_release(value);
+}
+
+static vv_status field_of(vv_field **out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job)
+{
+    const request r = {world, dataset, frame};
+    vvi_cached *cached = NULL;
+    const vv_status st = get(&cached, "samples that are made", make_field, drop_field, &r, job);
+    if (st == VV_OK)
+        *out = vv_field_retain(vvi_cached_value(cached));
+    vvi_cache_release(cached);
+    return st;
+}
+
+/* Meshes ----------------------------------------------------------------------------------------------------------- */
+
+/* Names and colours of labels, as they still hold for the first input. */
+static vv_status lend_labels(inputs *in, const vvi_made *made, vv_job *job)
+{
+    if (!made->operation->take_looks || !made->input[0] || vv_dataset_is_mesh(made->input[0], job))
+        return VV_OK;
+    const vv_status st = vvi_words_open(&in->words, made->world, made->input[0], job);
+    in->labels = (vvi_file_labels){in->words.options.labels, in->words.options.n_labels};
+    if (in->words.file && !vv_dataset_is_made(made->input[0])) /* whole numbers may name things that a file lists */
+        in->labels.label = vv_file_labels(in->words.file, &in->labels.n);
+    in->input[0].look = vvi_label_look_of_file;
+    in->input[0].look_user = &in->labels;
+    return st;
+}
+
+static vv_status run_mesh(vv_mesh **out, const vvi_made *made, vv_object *params, vv_job *job)
+{
+    inputs in = {.n = 0};
+    vv_run *run = NULL;
+    const vv_step step = {made->operation, params};
+    vv_status st = open_inputs(&in, made, 0, false, job);
+    if (st == VV_OK)
+        st = lend_labels(&in, made, job);
+    if (st == VV_OK)
+        st = vv_run_new(&run, in.input, in.n, &step, 1, &(vv_run_output){.path = NULL}, made->operation->name, job);
+    if (st == VV_OK && (st = vv_run_make(run)) == VV_OK)
+        *out = vv_mesh_retain((vv_mesh *)(uintptr_t)vv_run_mesh(run));
+    vv_run_release(run);
+    close_inputs(&in);
+    return st;
+}
+
+static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vvi_made made;
+    vv_field_info none;
+    vv_object *params = NULL;
+    vv_mesh *mesh = NULL;
+    vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
+    if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK &&
+        (st = vvi_made_plan(&none, &made, params, job)) == VV_OK)
+        st = run_mesh(&mesh, &made, params, job);
+    st = vvi_made_fail(&made, NULL, st);
+    vv_object_release(params);
+    vvi_made_close(&made);
+    if (st != VV_OK)
+        return st;
+    *value_out = mesh;
+    *bytes_out = vvi_mesh_bytes(mesh);
+    return VV_OK;
+}
+
+static void drop_mesh(void *value)
+{
+    vv_mesh_release(value);
+}
+
+static vv_status mesh_of(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const request r = {world, dataset, 0};
+    vvi_cached *cached = NULL;
+    const vv_status st = get(&cached, "mesh that is made", make_mesh, drop_mesh, &r, job);
+    if (st == VV_OK)
+        *out = vv_mesh_retain(vvi_cached_value(cached));
+    vvi_cache_release(cached);
+    return st;
+}
+
+static bool is_mesh(const vv_dataset *dataset, vv_job *job)
+{
+    const vv_operation *const *row = vvi_job_registry(job)->operations;
+    while (row && *row && strcmp((*row)->name, dataset->operation) != 0)
+        row++;
+    return row && *row && vv_operation_makes(*row) == VV_IS_MESH;
+}
+
+const vvi_made_data vvi_made_data_by_runs = {
+    .info = plan,
+    .field = field_of,
+    .mesh = mesh_of,
+    .is_mesh = is_mesh,
+    .open = vvi_made_open_file,
+};

@@ -1,0 +1,53 @@
+/** @file
+ * Datasets that are made of others: what such a dataset takes, and how it is worked out.
+ */
+#ifndef VVI_RUN_MADE_H
+#define VVI_RUN_MADE_H
+#include "model/made_data.h"
+#include "run/run_impl.h"
+
+/** One after the other, and with all that they stand on: what a scene may ask for. */
+enum { VVI_MADE_DEEPEST = 64, VVI_MADE_MOST = 4096 };
+
+/** A dataset that is made: its row and what it works on. All but `names` is borrowed from the World. */
+typedef struct vvi_made {
+    const vv_world *world;
+    const vv_dataset *dataset;
+    const char *id; /**< of the dataset */
+    const vv_operation *operation;
+    size_t n;                                /**< inputs, in the order of the row's operands */
+    const vv_dataset *input[VVI_RUN_INPUTS]; /**< NULL: it is left out */
+    const char *input_id[VVI_RUN_INPUTS];
+    char *names; /**< of inputs that are named as people like, "a,b"; NULL: of none */
+} vvi_made;
+
+/** Its row and inputs, found in the World. Errors name the property. *out is for vvi_made_close(), also on failure. */
+vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+void vvi_made_close(vvi_made *made);
+/** Hash of all that decides what it is. Errors: VV_E_ARGUMENT (made of itself), VV_E_LIMIT (of too much), those of
+ * vvi_made_open() for all that it stands on. */
+vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+/** Its parameters, read against the row's class with the lengths of its first input; yours to release. */
+vv_status vvi_made_params(vv_object **out, const vvi_made *made, vv_job *job);
+/** What its samples will be, as planned, within the limits of what comes from outside. */
+vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job);
+/** The sentence of an operation, with the dataset, or its property, that it is about; one that names a file or a
+ * property of the World already stays. */
+vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status status);
+
+/** What files say of data beyond their info, as it holds after the operations that they were made by. */
+typedef struct vvi_words {
+    vv_file *file; /**< NULL: there is none */
+    vv_carry carry;
+    vv_write_options options; /**< channels, labels: what is known of them, borrowed from the file and `carry` */
+    vv_object *params[VVI_MADE_DEEPEST];
+    size_t n;
+} vvi_words;
+
+/** Of a dataset of samples. *out is for vvi_words_close(), also on failure. */
+vv_status vvi_words_open(vvi_words *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+void vvi_words_close(vvi_words *words);
+
+/** Made samples as if a file held them, with what is known of channels and labels; it holds the World. */
+vv_status vvi_made_open_file(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+#endif

@@ -1,0 +1,187 @@
+"""Data that are made of others: scenes carry the recipe, and pictures, results and measurements are those of files that the verbs write."""
+import json
+import os
+
+import numpy as np
+
+from harness import fails, main, ok, says, volvis, write_labels, write_samples
+
+RANDOM = np.random.default_rng(17)
+CHAINS = (  # each as verbs, one by one; the last says what the picture is of
+    ("gaussian --sigma 1.5",),
+    ("crop --x 2:12 --z 3:",),
+    ("gaussian --sigma 1", "threshold --range 90.."),
+    ("threshold --range 120..", "components --connectivity 6"),
+    ("median --radius 1", "isosurface --iso 100"),
+    ("isosurface --iso 100", "simplify --share 0.4", "smooth --iterations 3"),
+    ("rescale --type u8 --percentile 1..99", "flip --axes xz"),
+)
+
+
+def write_blob(path="in.nrrd"):
+    z, y, x = np.meshgrid(*(np.arange(n) for n in (13, 15, 17)), indexing="ij")
+    values = 200 * np.exp(-((x - 8) ** 2 + (y - 7) ** 2 + (z - 6) ** 2) / 20) + RANDOM.normal(0, 4, x.shape)
+    write_samples(path, (17, 15, 13), np.clip(values, 0, 255).astype("u1").tobytes(), spacing=(1, 1, 1.5))
+    return values
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def by_verbs(chain, path="in.nrrd"):
+    """The file that verbs write one by one."""
+    for i, step in enumerate(chain):
+        verb, *words = step.split()
+        out = f"verb{i}" + (".ply" if verb in ("isosurface", "simplify", "smooth") else ".nrrd")
+        ok(verb, path, *words, "-o", out, "--overwrite")
+        path = out
+    return path
+
+
+def picture(word, *words):
+    ok("render", word, *words, "--size", "60", "-o", "picture.pfm", "--overwrite")
+    return read("picture.pfm")
+
+
+def test_scenes_show_the_same_as_files_of_verbs():
+    write_blob()
+    for chain in CHAINS:
+        truth = by_verbs(chain)
+        wanted, whole = picture(truth), " | ".join(chain)
+        ok("pipe", "in.nrrd", whole, "-o", "made.vv.json", "--overwrite")
+        assert picture("made.vv.json") == wanted, chain
+        assert picture("in.nrrd", "--apply", whole) == wanted, chain
+        out = "piped" + os.path.splitext(truth)[1]
+        ok("pipe", whole, "in.nrrd", "-o", out, "--overwrite")
+        assert read(out) == read(truth), chain
+        with open("made.vv.json") as file:
+            made = json.load(file)["datasets"]
+        assert len(made) == 1 + len(chain) and len(read("made.vv.json")) < 4000, chain
+
+
+def test_inputs_beside_the_chain_have_their_places():
+    a = write_blob("a.nrrd")
+    b = write_blob("b.nrrd")
+    ok("gaussian", "a.nrrd", "--sigma", 1, "-o", "s.nrrd")
+    ok("calc", "p - 0.5*q", "p=s.nrrd", "q=b.nrrd", "-o", "truth.nrrd")
+    ok("calc", "a - 0.5*q", "s.nrrd", "q=b.nrrd", "-o", "also.nrrd")
+    assert read("truth.nrrd") == read("also.nrrd")
+    ok("pipe", "a.nrrd", "gaussian --sigma 1 | calc 'a - 0.5*q' q=b.nrrd", "-o", "one.nrrd")
+    assert read("one.nrrd") == read("truth.nrrd")
+    ok("pipe", "a.nrrd", "gaussian --sigma 1 | calc 'a - 0.5*q' q=b.nrrd", "-o", "two.vv.json")
+    assert picture("two.vv.json") == picture("truth.nrrd")
+    ok("calc", "a + b", "a.nrrd", "b.nrrd", "-o", "sum.nrrd")
+    ok("pipe", "a.nrrd", "b.nrrd", "calc 'a + b'", "-o", "three.nrrd")
+    assert read("three.nrrd") == read("sum.nrrd")
+    ok("isosurface", "s.nrrd", "b.nrrd", "--iso", 100, "-o", "truth.ply")
+    ok("pipe", "a.nrrd", "gaussian --sigma 1 | isosurface values=b.nrrd --iso 100", "-o", "one.ply")
+    assert read("one.ply") == read("truth.ply")
+    assert a.shape == b.shape
+
+
+def test_a_parameter_is_a_path():
+    write_blob()
+    ok("pipe", "in.nrrd", "gaussian --sigma 1 | threshold --range 90..", "-o", "made.vv.json")
+    for setting, chain in (("gaussian.parameters.sigma=2vox", ("gaussian --sigma 2", "threshold --range 90..")),
+                           ("threshold.parameters.range=120..200", ("gaussian --sigma 1", "threshold --range 120..200")),
+                           ("threshold.inputs.volume=in", ("threshold --range 90..",))):
+        assert picture("made.vv.json", "--set", "datasets." + setting) == picture(by_verbs(chain)), setting
+    for setting, code, words in (("gaussian.parameters.sgma=2", 2, ("datasets.gaussian.parameters.sgma", "did you mean 'sigma'?")),
+                                 ("gaussian.parameters.sigma=2s", 2, ("datasets.gaussian.parameters.sigma", "'2s'")),
+                                 ("gaussian.operation=gausian", 2, ("datasets.gaussian.operation", "did you mean 'gaussian'?")),
+                                 ("gaussian.inputs.volume=inn", 2, ("datasets.gaussian.inputs.volume", "did you mean 'in'?")),
+                                 ("gaussian.inputs.volume=threshold", 2, ("datasets.threshold.inputs", "made of itself"))):
+        says(fails(code, "render", "made.vv.json", "--set", "datasets." + setting, "-o", "x.png"), *words)
+    assert not os.path.exists("x.png")
+
+
+def test_verbs_take_what_is_made_as_they_take_files():
+    write_blob()
+    ok("gaussian", "in.nrrd", "--sigma", 1, "-o", "s.nrrd")
+    ok("pipe", "in.nrrd", "gaussian --sigma 1", "-o", "s.vv.json")
+    for words in (("median", "--radius", 1), ("convert",), ("threshold", "--range", "90..")):
+        ok(words[0], "s.nrrd", *words[1:], "-o", "file.nrrd", "--overwrite")
+        ok(words[0], "s.vv.json", *words[1:], "-o", "made.nrrd", "--overwrite")
+        assert read("file.nrrd") == read("made.nrrd"), words
+    by_file, by_scene = (ok("measure", word, "--iso", 100, "--json").json for word in ("s.nrrd", "s.vv.json"))
+    assert by_file["volume"] == by_scene["volume"] and by_file["area"] == by_scene["area"]
+    ok("isosurface", "s.nrrd", "--iso", 90, "-o", "a.ply")
+    ok("isosurface", "s.vv.json", "--iso", 90, "-o", "b.ply")
+    assert np.frombuffer(read("a.ply")[-400:], "u1").tolist() == np.frombuffer(read("b.ply")[-400:], "u1").tolist()
+    says(fails(2, "median", "s.vv.json", "-o", "in.nrrd"), "in.nrrd")
+
+
+def test_info_lists_recipes():
+    write_blob()
+    ok("pipe", "in.nrrd", "gaussian --sigma 1 | threshold --range 90..", "-o", "made.vv.json")
+    made = ok("info", "made.vv.json", "--json").json["made"]
+    assert made == [{"name": "gaussian", "operation": "gaussian", "inputs": {"volume": "in"}, "parameters": {"sigma": 1}},
+                    {"name": "threshold", "operation": "threshold", "inputs": {"volume": "gaussian"}, "parameters": {"range": "90.."}}], made
+    says(ok("info", "made.vv.json").text, "gaussian of in: sigma 1", "threshold of gaussian: range 90..")
+
+
+def test_labels_keep_their_names_and_time_steps_their_number():
+    write_labels("labels.seg.nrrd")
+    ok("crop", "labels.seg.nrrd", "--x", "1:", "-o", "cropped.nrrd")
+    ok("pipe", "labels.seg.nrrd", "crop --x 1:", "-o", "cropped.vv.json")
+    assert picture("cropped.nrrd") == picture("cropped.vv.json")
+    ok("isosurface", "cropped.nrrd", "-o", "truth.ply")
+    ok("pipe", "labels.seg.nrrd", "crop --x 1: | isosurface", "-o", "made.ply")
+    assert read("truth.ply") == read("made.ply")
+    series = RANDOM.integers(0, 99, (3, 7, 8, 9)).astype("u1")
+    with open("series.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 9 8 7 3\nkinds: domain domain domain time\nencoding: raw\n\n" + series.tobytes())
+    chain = "gaussian --sigma 1 | rescale --type u8 --percentile 0..100"
+    ok("gaussian", "series.nrrd", "--sigma", 1, "-o", "g.nrrd")
+    ok("rescale", "g.nrrd", "--type", "u8", "--percentile", "0..100", "-o", "truth.nrrd")
+    ok("pipe", "series.nrrd", chain, "-o", "piped.nrrd")
+    assert read("piped.nrrd") == read("truth.nrrd")
+    ok("pipe", "series.nrrd", chain, "-o", "series.vv.json")
+    for t in range(3):
+        assert picture("series.vv.json", "--frame", t) == picture("truth.nrrd", "--frame", t), t
+
+
+def test_a_scene_keeps_its_look_when_a_chain_is_applied():
+    write_blob()
+    ok("render", "in.nrrd", "--iso", 100, "--size", 60, "-o", "a.png", "--save-scene", "look.vv.json")
+    ok("gaussian", "in.nrrd", "--sigma", 2, "-o", "s.nrrd")
+    ok("render", "look.vv.json", "--apply", "gaussian --sigma 2", "--save-scene", "made.vv.json", "-o", "made.pfm")
+    ok("render", "look.vv.json", "--set", "datasets.in.path=s.nrrd", "--set", "datasets.in.checksum=null", "-o", "truth.pfm")
+    assert read("made.pfm") == read("truth.pfm")
+    with open("made.vv.json") as file:
+        datasets = json.load(file)["datasets"]
+    assert datasets["gaussian"]["operation"] == "gaussian" and "path" not in datasets["gaussian"]
+
+
+def test_a_chain_in_little_memory_gives_the_same_bytes():
+    np.save("big.npy", RANDOM.integers(0, 60000, (2000, 64, 64)).astype("u2"))
+    ok("convert", "big.npy", "-o", "big.nrrd", "--encoding", "gzip", "--level", 1)  # 16 MB that cannot be mapped
+    chain = "gaussian --sigma 1 | flip --axes x | crop --z 100:1900"
+    ok("pipe", "big.nrrd", chain, "-o", "whole.nrrd")
+    ok("pipe", "big.nrrd", chain, "-o", "parts.nrrd", "--memory", "4M", "--threads", 2)
+    assert read("whole.nrrd") == read("parts.nrrd")
+
+
+def test_what_is_wrong_in_a_chain_is_said_with_its_step():
+    write_blob()
+    for chain, words in (("gausian --sigma 1", ("no word is a chain",)), ("gaussian | trheshold --range 1..", ("step 2", "threshold")),
+                         ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("gaussian |", ("step 2", "operation is missing")),
+                         ("gaussian 'x", ("quotation mark",)), ("gaussian --threads 2", ("--threads", "outside of the chain")),
+                         ("isosurface --iso 9 | median", ("step 2 of the chain, median", "takes a volume")),
+                         ("gaussian --sigma 1 | calc a+b b=none.nrrd", ("step 2 of the chain, calc", "none.nrrd"))):
+        done = volvis("pipe", "in.nrrd", chain, "-o", "x.nrrd")
+        assert done.code in (2, 3) and done.message.count("\n") == 1, (chain, done.code, done.message)
+        says(done.message, *words)
+    says(fails(2, "pipe", "in.nrrd", "in.nrrd", "-o", "x.nrrd"), "no word is a chain")
+    says(fails(2, "pipe", "in.nrrd", "gaussian", "-o", "x.ply"), "x.ply")
+    says(fails(2, "pipe", "in.nrrd", "isosurface", "-o", "x.nrrd"), "x.nrrd")
+    says(fails(2, "pipe", "-", "gaussian", "-o", "x.vv.json", stdin=read("in.nrrd")), "standard input")
+    ok("pipe", "-", "gaussian", "-o", "piped.nrrd", stdin=read("in.nrrd"))
+    ok("gaussian", "in.nrrd", "-o", "truth.nrrd")
+    assert read("piped.nrrd") == read("truth.nrrd")
+    assert not os.path.exists("x.nrrd") and not os.path.exists("x.vv.json")
+
+
+main()

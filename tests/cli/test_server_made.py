@@ -1,0 +1,133 @@
+"""Scenes with data that are made of others, in the page: parameters are edits, pictures follow, and nothing runs without bounds."""
+import io
+import json
+import os
+import shlex
+
+import numpy as np
+from PIL import Image
+
+from harness import main, ok, says, write_ball
+
+try:
+    from page import Page, Server, run
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+CHAIN = "gaussian --sigma 1vox | threshold --range 90.."
+
+
+def pixels(data):
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(float)
+
+
+def psnr(a, b):
+    error = np.mean((a - b) ** 2)
+    return float("inf") if error == 0 else 10 * np.log10(255 ** 2 / error)
+
+
+def run_lines(lines):
+    for line in lines.split("\n"):
+        ok(*shlex.split(line)[1:])
+    with open("picture.png", "rb") as file:
+        return pixels(file.read())
+
+
+def datasets_of(page):
+    return page.world["world"]["datasets"]
+
+
+def picture_of(*words):
+    ok("render", *words, "--size", "320x240", "-o", "truth.png", "--overwrite")
+    with open("truth.png", "rb") as file:
+        return pixels(file.read())
+
+
+def test_a_parameter_is_an_edit_and_the_picture_follows():
+    write_ball()
+    ok("pipe", "head.nrrd", "gaussian --sigma 1vox", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                before = await page.resting()
+                await page.edit(("set", "datasets.gaussian.parameters.sigma", "4vox"))
+                after = await page.resting()
+                said = datasets_of(page)["gaussian"]["parameters"]
+                await page.say("undo")
+                await page.until(lambda: datasets_of(page)["gaussian"]["parameters"] != said)
+                back = await page.resting()
+                await page.edit(("set", "datasets.gaussian.parameters.sigma", "4vox"))
+                await page.ask("save", path=os.path.abspath("saved.vv.json"))
+                return said, [pixels(frame.data) for frame in (before, after, back)]
+        said, (before, after, back) = run(work())
+    assert said == {"sigma": "4vox"}, said
+    assert psnr(before, after) < 40 <= psnr(before, back)
+    assert psnr(before, picture_of("made.vv.json")) >= 40
+    assert psnr(after, picture_of("saved.vv.json")) >= 40  # from where it was seen
+    ok("gaussian", "head.nrrd", "--sigma", "4vox", "-o", "smooth.nrrd")
+    with_file = ("datasets.gaussian.path=smooth.nrrd", "datasets.gaussian.operation=null")
+    assert psnr(after, picture_of("saved.vv.json", *(word for setting in with_file for word in ("--set", setting)))) >= 40
+    with open("saved.vv.json", encoding="utf-8") as file:
+        saved = json.load(file)["datasets"]["gaussian"]
+    assert saved == {"operation": "gaussian", "inputs": {"volume": "head"}, "parameters": {"sigma": "4vox"}}, saved
+
+
+def test_command_lines_are_the_recipe():
+    write_ball()
+    ok("pipe", "head.nrrd", CHAIN, "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                frame = await page.resting()
+                next_one = await page.ask("command", operation="median", dataset="threshold", parameters={"radius": 1})
+                return frame, (await page.ask("command"))["text"], next_one["text"]
+        frame, lines, next_one = run(work())
+    assert [line.split()[1] for line in lines.split("\n")] == ["gaussian", "threshold", "render"], lines
+    assert [line.split()[1] for line in next_one.split("\n")] == ["gaussian", "threshold", "median"], next_one
+    assert psnr(run_lines(lines), pixels(frame.data)) >= 40, lines
+
+
+def test_operations_run_on_what_is_made():
+    write_ball()
+    ok("pipe", "head.nrrd", CHAIN, "-o", "made.vv.json")
+    ok("pipe", "head.nrrd", CHAIN + " | dilate --radius 2", "-o", "truth.nrrd")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                made = (await page.ask("run", operation="dilate", dataset="threshold", parameters={"radius": 2}))["dataset"]
+                await page.until(lambda: made in datasets_of(page))
+                return datasets_of(page)[made]["path"]
+        path = run(work())
+        with open(path, "rb") as made, open("truth.nrrd", "rb") as truth:
+            assert made.read() == truth.read()
+
+
+def test_what_cannot_be_made_is_said_and_the_server_goes_on():
+    write_ball()
+    ok("pipe", "head.nrrd", "gaussian --sigma 1vox", "-o", "made.vv.json")
+    links = {f"d{i}": {"operation": "flip", "inputs": {"volume": f"d{i - 1}" if i else "head"}, "parameters": {"axes": "x"}} for i in range(99)}
+    bad = (("datasets.gaussian.parameters.sgma", 2, "did you mean 'sigma'"),
+           ("datasets.gaussian.operation", "gausian", "did you mean 'gaussian'"),
+           ("datasets.gaussian.inputs.volume", "gaussian", "made of itself"),
+           ("datasets.gaussian", {"operation": "resample", "inputs": {"volume": "head"}, "parameters": {"spacing": "1e-5vox"}}, "samples"),
+           ("datasets.gaussian", {"operation": "resample", "inputs": {"volume": "head"}, "parameters": {"spacing": "0.02vox"}}, "memory"))
+    with Server("made.vv.json", "--memory", "300M") as server:
+        async def work():
+            async with Page(server) as page:
+                before = await page.resting()
+                for path, value, sentence in bad:
+                    await page.edit(("set", path, value))
+                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "notice" and sentence in m["text"]), None))
+                    says(error["text"], "datasets.gaussian")
+                    says(await page.refused("info", dataset="gaussian"), "datasets.gaussian") if sentence != "memory" else None
+                    await page.say("undo")
+                    await page.heard()
+                await page.edit(*(("set", f"datasets.{name}", value) for name, value in links.items()))
+                says(await page.refused("info", dataset="d98"), "more than 64 operations")
+                assert (await page.ask("info", dataset="d50"))["dims"] == (await page.ask("info", dataset="head"))["dims"]
+                return pixels(before.data), pixels((await page.resting()).data)
+        before, after = run(work())
+    assert psnr(before, after) >= 40
+
+
+main()

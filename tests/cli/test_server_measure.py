@@ -1,0 +1,160 @@
+"""What the page measures is what the program measures, and data are named by the World alone."""
+import json
+import os
+
+import numpy as np
+
+from harness import main, ok, says
+from measure_inputs import distance_to, noise, write, write_box, write_sphere
+
+try:
+    from page import Page, Server, run
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+
+def prepare():
+    write_sphere("ball.nrrd", 24, 8.0, (11.3, 12.1, 11.8), spacing=(0.5, 0.5, 0.7))
+    write("mask.nrrd", (distance_to(24, (10, 10, 10)) < 7).astype(np.uint8), spacing=(0.5, 0.5, 0.7))
+    write("labels.nrrd", noise("uint8", (9, 10, 11)) % 4)
+    write_box("a.stl")
+    write_box("b.stl", at=5.0)
+
+
+def asked(*words):
+    """What the program says of it, without what names the run."""
+    found = ok("measure", *words, "--json").json
+    return {key: value for key, value in found.items() if key not in ("volvis", "command", "measured", "file", "warnings")}
+
+
+def with_page(work, *files):
+    async def begin():
+        async with Page(server, 64, 64) as page:
+            await work(page)
+    with Server(*files) as server:
+        run(begin())
+
+
+def test_every_kind_says_what_the_program_says():
+    prepare()
+    points = {"points": [[0, 1, 2], [20, 11, 5]]}
+    wanted = {
+        "summary": ((), {}),
+        "area": (("--iso", "0", "--box", "2..20,..,.."), {"iso": 0, "box": "2..20,..,.."}),
+        "volume": (("--threshold", "..3", "--method", "count"), {"threshold_hi": 3, "method": "count"}),
+        "box": (("--iso", "1", "--seed", "11,12,12"), {"iso": 1, "seed": [11, 12, 12]}),
+        "statistics": (("--clip", "plane(n=1,2,0 d=5)"), {"cut_planes": [{"normal": [1, 2, 0], "offset": 5}]}),
+        "histogram": (("--bins", "9", "--range", "-5,4"), {"bins": 9, "range": [[-5, 4]]}),
+        "joint": (("--bins", "6"), {"bins": 6}),
+        "profile": (("--point", "0,1,2", "--point", "20,11,5", "--samples", "7"), {**points, "samples": 7}),
+        "distance": (("--point", "0,1,2", "--point", "20,11,5"), points),
+        "angle": (("--point", "0,1,2", "--point", "20,11,5", "--point", "1,1,1"), {"points": points["points"] + [[1, 1, 1]]}),
+        "geodesic": (("--iso", "0", "--point", "4,12,12", "--point", "12,12,18"),
+                     {"iso": 0, "points": [[4, 12, 12], [12, 12, 18]]}),
+    }
+
+    async def work(page):
+        for kind, (words, question) in wanted.items():
+            found = await page.ask("measure", question={"what": kind, **question})
+            assert found["answer"] == asked(kind, "ball.nrrd", *words), kind
+            assert kind == "angle" or {"name", "value"} <= set(found["figures"][0]), kind
+    with_page(work, "ball.nrrd")
+
+
+def test_labels_and_meshes_are_measured_too():
+    prepare()
+
+    async def labels(page):
+        found = await page.ask("measure", question={"what": "labels"})
+        assert found["answer"] == asked("labels", "labels.nrrd") and len(found["answer"]["labels"]) == 3
+
+    async def mesh(page):
+        found = await page.ask("measure", question={"what": "volume"})
+        assert abs(found["answer"]["volume"] - 8) < 1e-6 and found["answer"]["mesh"] == "a"
+        found = await page.ask("measure", question={"what": "distance", "points": [[5, 1, 1]]})
+        assert abs(found["answer"]["distance"] - 3) < 1e-6
+        says(await page.refused("measure", question={"what": "histogram"}), "no histogram")
+    with_page(labels, "labels.nrrd")
+    with_page(mesh, "a.stl")
+
+
+def test_data_beside_the_first_are_named_by_the_world():
+    prepare()
+
+    async def volumes(page):
+        found = await page.ask("measure", volume="ball", mask="mask", question={"what": "volume"})
+        assert found["answer"]["volume"] == asked("volume", "ball.nrrd", "--mask", "mask.nrrd")["volume"]
+        assert found["answer"]["object"] == "where mask is not 0"
+        says(await page.refused("measure", mask="mist", question={"what": "volume"}), "'mist'")
+        says(await page.refused("measure", volume="mist", question={"what": "volume"}), "'mist'")
+        says(await page.refused("measure", mask=7, question={"what": "volume"}), "'mask' must be a name")
+
+    async def meshes(page):
+        found = await page.ask("measure", volume="a", other="b", question={"what": "distance"})
+        assert abs(found["answer"]["distance"] - 3 * 3 ** 0.5) < 1e-5
+        both = await page.ask("measure", question={"what": "volume"})
+        assert abs(both["answer"]["volume"] - 16) < 1e-5 and len(both["answer"]["meshes"]) == 2
+        one = await page.ask("measure", volume="b", question={"what": "box"})
+        assert one["answer"]["box_lo"] == [5, 5, 5]
+    with_page(volumes, "ball.nrrd", "mask.nrrd")
+    with_page(meshes, "a.stl", "b.stl")
+
+
+def test_cut_planes_and_thresholds_of_the_world_hold():
+    prepare()
+
+    async def work(page):
+        whole = await page.ask("measure", question={"what": "volume", "iso": 0})
+        await page.edit(("set", "cut_planes", [{"normal": [1, 0, 0], "offset": 5.65}]))
+        half = await page.ask("measure", question={"what": "volume", "iso": 0})
+        assert abs(half["answer"]["volume"] / whole["answer"]["volume"] - 0.5) < 0.01
+        await page.edit(("set", "cut_planes", []), ("set", "volumes.ball.segmentation.kind", "threshold"),
+                        ("set", "volumes.ball.segmentation.threshold.lo", 2))
+        shown = await page.ask("measure", question={"what": "volume"})
+        assert shown["answer"]["object"].endswith("as in the scene") and shown["answer"]["threshold_lo"] == 2
+    with_page(work, "ball.nrrd")
+
+
+def test_an_answer_can_be_kept_in_the_scene_and_asked_again_by_the_program():
+    prepare()
+
+    async def work(page):
+        question = {"what": "area", "iso": 1}
+        found = await page.ask("measure", question=question)
+        await page.ask("edit", edits=[{"op": "add", "path": "measurements", "id": "skin",
+                                       "value": {**question, "figures": found["figures"]}}])
+        await page.ask("save", path=os.path.abspath("study.vv.json"))
+    with_page(work, "ball.nrrd")
+    says(ok("measure", "study.vv.json").text, "skin: area, as before", "1 measured, 0 changed")
+
+
+def test_no_file_is_read_that_is_not_of_the_world():
+    prepare()
+
+    async def work(page):
+        for name in ("file", "other", "mask", "values"):
+            says(await page.refused("measure", question={"what": "volume", name: "mask.nrrd"}), f"'{name}'", "beside it")
+        says(await page.refused("measure", question={"what": "wolume"}), "volume")
+        says(await page.refused("measure", question="area"), "needs a question")
+        says(await page.refused("measure"), "needs a question")
+        says(await page.refused("measure", question={"what": "area", "seed": [900, 0, 0]}), "outside")
+    with_page(work, "ball.nrrd")
+
+
+def test_it_is_a_job_that_can_be_cancelled():
+    write_sphere("ball.nrrd", 200, 80.0, (100, 100, 100))
+
+    async def work(page):
+        for number in (1001, 1002):  # one after the other
+            await page.say("measure", id=number, question={"what": "joint", "bins": 64})
+        first = await page.until(lambda: next((m for m in page.messages if m["type"] == "job" and m["name"] == "measure"),
+                                              None))
+        waiting = first["job"] + 1
+        assert await page.ask("cancel", job=waiting)
+        ends = await page.until(lambda: [m for m in page.messages if m["type"] == "answer" and m["id"] in (1001, 1002)][1:])
+        told = {m["id"]: m for m in page.messages if m["type"] == "answer"}
+        assert ends and told[1001]["ok"] and not told[1002]["ok"], json.dumps(told)[:300]
+    with_page(work, "ball.nrrd")
+
+
+main()
