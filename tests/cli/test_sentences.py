@@ -63,7 +63,7 @@ def test_numbers_of_operations_are_asked_for_in_their_own_form():
     write_ball()
     resample = ["resample", "head.nrrd", "-o", "out.nrrd"]
     for typed in ("5", "a,b,c", "10x10x10", "10mm,1,1", "nan,1,1"):
-        refused([*resample, "--dims", typed], "--size: expected", "as in 1,2,3", typed)
+        refused([*resample, "--size", typed], "--size: expected", "as in 1,2,3", typed)
     for typed in ("5:5", "9:3", "-5:10", "3:100"):
         refused(["crop", "head.nrrd", "-o", "out.nrrd", "--y", typed], f"'{typed}'", "0 to 31")
     refused(convert("--spacing", "1furlong"), "'furlong'", "mm")
