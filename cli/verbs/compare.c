@@ -269,7 +269,7 @@ static void report_axes(cli_command *command, const pair *p, const vv_grid *a, c
     else if (p->axes == CLI_AXES_OTHER)
         cli_command_line(command, "axes",
                          "%s and %s, which run differently; compared sample by sample as they are stored: "
-                         "reorient or resample one first",
+                         "resample one first: 'volvis resample B onto=A -o C'",
                          letters_a, letters_b);
 }
 

@@ -39,17 +39,24 @@ static const vv_class clamp_class = {
 /* Samples by their keys: those before and behind the range, and what they become. */
 typedef struct limits {
     vvi_key_range range, numbers; /* what is among no numbers is NaN */
-    char before[8], behind[8];
+    int64_t before_key, behind_key;
 } limits;
 
-static vv_status find_end(char out[8], const vv_field_info *info, const clamp_params *p, int row, int64_t key)
+/* The key of what lies beyond an end, which has the key `end`. */
+static vv_status find_end(int64_t *key, const vv_field_info *info, const clamp_params *p, int row, int64_t end)
 {
-    const bool given = p->object.set >> row & 1;
-    memset(out, 0, 8);
-    vvi_sample_of_key(out, key, info->type);
-    return given ? vvi_stored_bytes(out, info, row == ROW_BELOW ? p->below : p->above,
-                                    row == ROW_BELOW ? "clamp: below" : "clamp: above")
-                 : VV_OK;
+    char sample[8];
+    _Alignas(8) char as_key[8] = {0};
+    *key = end;
+    if (!(p->object.set >> row & 1))
+        return VV_OK;
+    const vv_status st = vvi_stored_bytes(sample, info, row == ROW_BELOW ? p->below : p->above,
+                                          row == ROW_BELOW ? "clamp: below" : "clamp: above");
+    if (st != VV_OK)
+        return st;
+    vvi_keys_of_samples(as_key, sample, (int64_t)vv_type_bytes(info->type), info->type, 1);
+    *key = vvi_key_at(as_key, 0, info->type);
+    return VV_OK;
 }
 
 static vv_status find_limits(limits *out, const vv_field_info *info, const vv_object *params)
@@ -71,8 +78,8 @@ static vv_status find_limits(limits *out, const vv_field_info *info, const vv_ob
     if (out->range.lo > out->range.hi)
         return vv_fail(VV_E_ARGUMENT, "clamp: range: %s samples of this volume have no value from %s",
                        vv_type_name(info->type), p->range);
-    if ((st = find_end(out->before, info, p, falls ? ROW_ABOVE : ROW_BELOW, out->range.lo)) == VV_OK)
-        st = find_end(out->behind, info, p, falls ? ROW_BELOW : ROW_ABOVE, out->range.hi);
+    if ((st = find_end(&out->before_key, info, p, falls ? ROW_ABOVE : ROW_BELOW, out->range.lo)) == VV_OK)
+        st = find_end(&out->behind_key, info, p, falls ? ROW_BELOW : ROW_ABOVE, out->range.hi);
     return st;
 }
 
@@ -88,19 +95,35 @@ typedef struct shared {
     limits limits;
 } shared;
 
+#define CLAMP(ctype)                                                                                                   \
+    do {                                                                                                               \
+        const ctype lo = (ctype)l->range.lo, hi = (ctype)l->range.hi;                                                  \
+        const ctype least = (ctype)l->numbers.lo, most = (ctype)l->numbers.hi;                                         \
+        const ctype before = (ctype)l->before_key, behind = (ctype)l->behind_key;                                      \
+        ctype *k = (ctype *)(void *)keys;                                                                              \
+        for (int64_t i = 0; i < n; i++)                                                                                \
+            k[i] = k[i] < lo && k[i] >= least ? before : k[i] > hi && k[i] <= most ? behind : k[i];                    \
+    } while (0)
+
+static void clamp_keys(char *keys, size_t each, const limits *l, int64_t n)
+{
+    if (each == 1)
+        CLAMP(uint8_t);
+    else if (each == 2)
+        CLAMP(int16_t);
+    else if (each == 4)
+        CLAMP(int32_t);
+    else
+        CLAMP(int64_t);
+}
+
 static void clamp_run(char *out, const char *in, vv_type type, const limits *l, int64_t n)
 {
     _Alignas(64) char keys[PART * 8];
     const size_t each = vv_type_bytes(type);
-    memcpy(out, in, (size_t)n * each);
     vvi_keys_of_samples(keys, in, (int64_t)each, type, n);
-    for (int64_t i = 0; i < n; i++) {
-        const int64_t key = vvi_key_at(keys, i, type);
-        if (key < l->range.lo && key >= l->numbers.lo)
-            memcpy(out + (size_t)i * each, l->before, each);
-        else if (key > l->range.hi && key <= l->numbers.hi)
-            memcpy(out + (size_t)i * each, l->behind, each);
-    }
+    clamp_keys(keys, each, l, n);
+    vvi_samples_of_keys(out, (int64_t)each, keys, type, n);
 }
 
 static vv_status item(void *scratch, void *user, size_t index)

@@ -328,17 +328,30 @@ static void finish(void *own, void *user)
     vvi_free(own);
 }
 
+/* Of numbers beside each other; NaN where there is none. */
+static double extreme_of(const double *v, bool largest, int64_t n)
+{
+    double a = (double)NAN;
+    for (int64_t i = 0; i < n; i++)
+        a = isnan(v[i]) || (largest ? v[i] <= a : v[i] >= a) ? a : v[i];
+    return a;
+}
+
 /* Along x a row has all that goes together. */
 static void fold_along_row(scratch *own, const state *st, const shared *s)
 {
     const size_t components = (size_t)s->in->components;
+    const bool extreme = s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM;
+    const bool at_once = extreme && components == 1 && !by_keys(s);
     for (int64_t i = 0; i < s->part.n[0]; i++) {
         int64_t lo, n;
         slab_of(&lo, &n, &s->slabs, s->part.lo[0] + i);
         const double *at = own->row + (size_t)(lo - s->brick.box.lo[0]) * components;
         const state here = {st->a + (size_t)i * components, st->b + (size_t)i * components,
                             st->count + (size_t)i * components};
-        for (int64_t t = 0; t < n && s->slabs.method != MEDIAN; t++)
+        if (at_once)
+            here.a[0] = extreme_of(at, seeks_largest(s), n);
+        for (int64_t t = 0; t < n && s->slabs.method != MEDIAN && !at_once; t++)
             add_row(&here, at + (size_t)t * components, s, components);
         for (size_t c = 0; c < components && s->slabs.method == MEDIAN; c++) {
             for (int64_t t = 0; t < n; t++)

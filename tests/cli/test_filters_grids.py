@@ -182,29 +182,30 @@ def projected(data, axis, method, thick, sliding):
 
 def test_projections_are_those_of_numpy():
     need_scipy()
-    for kind in KINDS:
+    ways = [(axis, method, *slab) for axis in range(3) for slab in ((99, False), (4, False), (3, True))
+            for method in ("maximum", "minimum", "mean", "sum", "deviation", "median")]
+    for number, kind in enumerate(KINDS):
         data = samples(kind, (6, 7, 9))
         if kind in ("u8", "i8"):
             data[2] += np.array(2**60 + 1, kind)
         if data.dtype.kind == "f":
             data[1:3, 4, 5] = np.nan
         np.save("a.npy", data)
-        for axis, name in enumerate("zyx"):
-            for method in ("maximum", "minimum", "mean", "sum", "deviation", "median"):
-                for thick, sliding in ((99, False), (4, False), (3, True)):
-                    words = ("--slab", thick) * (thick < 99) + ("--sliding",) * sliding
-                    ok("project", "a.npy", "-o", "b.npy", "--overwrite", "--axis", name, "--method", method, *words)
-                    got, want = np.load("b.npy"), projected(data, axis, method, thick, sliding)
-                    kept = method in ("maximum", "minimum", "median")
-                    assert not kept or got.dtype == data.dtype, (kind, got.dtype)
-                    got = got.reshape(want.shape)  # a short x has a channel beside it
-                    room = 0.5 if method == "median" and data.dtype.kind != "f" else 0 if kept and method != "median" else 1e-5
-                    if data.dtype.itemsize == 8 and data.dtype.kind != "f" and method != "maximum" and method != "minimum":
-                        assert np.allclose(got.astype("f8"), want, rtol=1e-12, atol=0.01 * 2**60 if method == "deviation" else 0.5)
-                    elif kept and not room:
-                        assert np.array_equal(got, want), (kind, name, method, thick)
-                    else:
-                        assert np.abs(got.astype("f8") - want).max() <= room * max(1, np.abs(want).max()), (kind, name, method, thick)
+        for axis, method, thick, sliding in ways[number % 5 :: 5]:  # each way with two types
+            words = ("--slab", thick) * (thick < 99) + ("--sliding",) * sliding
+            ok("project", "a.npy", "-o", "b.npy", "--overwrite", "--axis", "zyx"[axis], "--method", method, *words)
+            got, want = np.load("b.npy"), projected(data, axis, method, thick, sliding)
+            kept, what = method in ("maximum", "minimum", "median"), (kind, axis, method, thick)
+            assert not kept or got.dtype == data.dtype, (kind, got.dtype)
+            got = got.reshape(want.shape)  # a short x has a channel beside it
+            if method in ("maximum", "minimum"):
+                assert np.array_equal(got, want), what
+            elif kind in ("u8", "i8"):  # doubles
+                room = 0.01 * 2**60 if method == "deviation" else 0.5
+                assert np.allclose(got.astype("f8"), want, rtol=1e-12, atol=room), what
+            else:
+                room = 0.5 if method == "median" and data.dtype.kind != "f" else 1e-5 * max(1, np.abs(want).max())
+                assert np.abs(got.astype("f8") - want).max() <= room, what
 
 
 def test_projections_lie_in_the_middle_of_their_slabs():
@@ -224,12 +225,12 @@ def test_projections_lie_in_the_middle_of_their_slabs():
 
 def test_projecting_in_little_memory_is_the_same():
     need_scipy()
-    write("a.nrrd", samples("f4", (120, 121, 119)))
+    write("a.nrrd", samples("f4", (100, 101, 99)))
     for axis in "xyz":
-        for method in ("mean", "deviation", "median"):
+        for method in ("mean", "median"):
             words = ("project", "a.nrrd", "--axis", axis, "--method", method, "--overwrite", "-o")
             ok(*words, "whole.nrrd")
-            ok(*words, "parts.nrrd", "--memory", "24M")
+            ok(*words, "parts.nrrd", "--memory", "14M")
             assert open("whole.nrrd", "rb").read() == open("parts.nrrd", "rb").read(), (axis, method)
 
 

@@ -15,7 +15,7 @@ static vv_field *random_field(vv_type type, int components, double scale, uint64
 {
     vv_field_info info = vv_field_info_default();
     info.type = type;
-    info.grid.dims[0] = 1201, info.grid.dims[1] = 11, info.grid.dims[2] = 5;
+    info.grid.dims[0] = 301, info.grid.dims[1] = 11, info.grid.dims[2] = 5;
     info.components = components;
     info.value_scale = scale;
     return test_field_random(&info, seed, NULL);
@@ -81,8 +81,8 @@ static void channels_of_a_mask_go_each_with_its_own(void **state)
         vv_field *in = random_field(VV_TYPE_U8, 2, 1, 1), *mask = random_field(VV_TYPE_I8, channels, 3, 2);
         const vv_field *inputs[] = {in, mask};
         vv_field *out = test_apply_all_ways(&vvi_operation_mask, inputs, 2, "label=[6,-9,0]");
-        for (int64_t n = 0; n < 2 * 1201 * 55; n++) {
-            const int64_t i = n / 2 % 1201, j = n / 2402 % 11, k = n / 26422;
+        for (int64_t n = 0; n < 2 * 301 * 55; n++) {
+            const int64_t i = n / 2 % 301, j = n / 602 % 11, k = n / 6622;
             const int c = (int)(n % 2);
             const double label = vv_field_value(mask, i, j, k, channels > 1 ? c : 0);
             const bool kept = label == 6 || label == -9 || label == 0;
