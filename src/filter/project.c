@@ -409,8 +409,10 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     for (int64_t k = box.lo[2]; k < box.lo[2] + box.n[2]; k++)
         for (int64_t j = box.lo[1]; j < box.lo[1] + box.n[1]; j++) {
             const size_t row = n * (size_t)((k - s->part.lo[2]) * s->part.n[1] + j - s->part.lo[1]);
-            const state kept = {s->kept + row, s->kept + all + row, s->kept + 2 * all + row};
-            const state *st = s->kept ? &kept : &own->state;
+            state kept = own->state;
+            if (s->kept)
+                kept = (state){s->kept + row, s->kept + all + row, s->kept + 2 * all + row};
+            const state *st = &kept;
             if (s->first)
                 begin(st, s, n);
             if (s->slabs.axis > 0) {
