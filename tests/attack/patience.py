@@ -135,7 +135,7 @@ class Asker:
         box = b""
         try:
             while True:
-                edit = {"op": "set", "path": "datasets.ball.parameters", "value": f"{self.answers}" + "x" * 60000}
+                edit = {"op": "set", "path": "datasets.ball.parameters", "value": {"text": f"{self.answers}" + "x" * 60000}}
                 send(self.sock, frame(json.dumps({"type": "edit", "id": self.answers + 1, "edits": [edit]}).encode()))
                 answered = False
                 while not answered:

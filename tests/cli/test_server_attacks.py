@@ -170,7 +170,7 @@ def test_who_never_reads_costs_a_bounded_amount():
         async def work(n, silent):
             async with Page(server, 64, 64) as page:
                 for i in range(n):
-                    await page.edit(("set", "datasets.ball.parameters", f"{i} " + "x" * 20000), gesture="g")
+                    await page.edit(("set", "datasets.ball.parameters", {"text": f"{i} " + "x" * 20000}), gesture="g")
                 for sock in silent:
                     try:
                         sock.sendall(frame(json.dumps({"type": "events", "lines": f"{n} mouse axis x 0.5"}).encode()))
@@ -199,8 +199,9 @@ def test_a_large_world_ends_nobody_who_reads():
             said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "x" * 900000}])
             assert said == "title: the text is 900000 bytes long: at most 1024 are allowed", said
             def put(name, n):
-                return [{"op": "set", "path": f"datasets.{name}{i}", "value": {"parameters": "\\" * 60000}} for i in range(n)]
-            await page.ask("edit", edits=put("d", 7))
+                return [{"op": "set", "path": f"datasets.{name}{i}", "value": {"parameters": {"text": "x" * 60000}}}
+                        for i in range(n)]
+            await page.ask("edit", edits=put("d", 14))
             for n in range(8):  # quickly one after the other, and both read all of it
                 await page.edit(("set", "background", f"#00000{n}"))
                 await other.edit(("set", "seed", n))
@@ -228,7 +229,7 @@ def test_what_is_set_again_and_again_is_one_step_and_undo_has_its_bytes():
                 steps += 1
             assert 2 <= steps < 25, steps  # two, but where the machine is so slow that 100 ms lie between some of them
             for n in range(60):  # not the same again
-                await page.edit(("set", "datasets.ball.parameters", f"{n} " + "x" * 60000), ("set", "seed", n))
+                await page.edit(("set", "datasets.ball.parameters", {"text": f"{n} " + "x" * 60000}), ("set", "seed", n))
                 await page.edit(("set", "volumes.ball.title", f"{n}"))
             told = [m for m in page.messages if m["type"] == "notice" and "can no longer be undone" in m["text"]]
             assert len(told) == 1 and "1.0 MiB" in told[0]["text"] and "undo_bytes" in told[0]["text"], told

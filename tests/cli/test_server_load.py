@@ -119,7 +119,7 @@ def test_pages_that_read_next_to_nothing_keep_nobody_waiting():
 
 
 def text_in(world):
-    return world["world"]["datasets"]["ball"].get("parameters", "")
+    return world["world"]["datasets"]["ball"].get("parameters", {}).get("text", "")
 
 
 def test_who_comes_back_to_reading_sees_what_is_true_now():
@@ -131,7 +131,7 @@ def test_who_comes_back_to_reading_sees_what_is_true_now():
             async with Page(server, 64, 64) as page:
                 for n in range(60):  # who reads is told so many
                     last = f"text {n + 1}" + "x" * 3000
-                    await page.edit(("set", "datasets.ball.parameters", last), gesture="g")
+                    await page.edit(("set", "datasets.ball.parameters", {"text": last}), gesture="g")
                     await page.until(lambda: text_in(page.world) == last)
                 return last
         last = run(edit())
