@@ -24,7 +24,8 @@ PARAMETERS = {"crop": {"x": "2..9", "z": "1:"}, "flip": {"axes": "xz"}, "gaussia
               "simplify": {"share": 0.5}}
 OPTIONS = {"components": "channel"}
 # operations whose results are no longer what the file calls its values
-NEW_VALUES = {"rescale", "top-hat", "threshold", "components", "distance", "gradient", "laplacian", "vesselness", "equalize", "calc", "window"}
+NEW_VALUES = {"rescale", "top-hat", "threshold", "components", "distance", "gradient", "laplacian", "vesselness", "equalize", "calc", "window",
+              "watershed"}
 
 
 def write_nifti(path, frames=1):
