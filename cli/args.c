@@ -27,7 +27,7 @@ static bool is_named(const vv_property *row, const char *name, size_t n)
            (row->option && strlen(row->name) == n && memcmp(row->name, name, n) == 0);
 }
 
-static bool find_long(cli_given *out, const cli_verb *verb, const char *name, size_t n)
+static bool find_named(cli_given *out, const cli_verb *verb, const char *name, size_t n)
 {
     for (size_t c = 0; (out->cls = cli_usage_class(verb, c)); c++) {
         for (out->row = out->cls->properties; out->row->name; out->row++) {
@@ -36,6 +36,14 @@ static bool find_long(cli_given *out, const cli_verb *verb, const char *name, si
         }
     }
     return false;
+}
+
+/* Other programs call the order of an array's axes so; verbs with axes of their own mean those. */
+static bool find_long(cli_given *out, const cli_verb *verb, const char *name, size_t n)
+{
+    static const char axes[] = "axes", part[] = "part";
+    return find_named(out, verb, name, n) ||
+           (n == sizeof axes - 1 && memcmp(name, axes, n) == 0 && find_named(out, verb, part, sizeof part - 1));
 }
 
 static bool find_letter(cli_given *out, const cli_verb *verb, char letter)
@@ -67,10 +75,6 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
     n = n < sizeof typed ? n : sizeof typed - 1;
     memcpy(typed, name, n);
     typed[n] = 0;
-    if (strcmp(typed, "axes") == 0) /* what other programs call it */
-        return vv_fail(VV_E_ARGUMENT,
-                       "%s has no option %s%s; the order of a NumPy array's axes is a part: --part zyx, or FILE:zyx",
-                       verb->name, dashes, typed);
     const char *near = vv_nearest_name(typed, names, n_names);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; did you mean --%s?", verb->name, dashes, typed, near);

@@ -88,7 +88,7 @@ static const vv_property reading_rows[] = {
     {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "chosen by the reader",
      .doc =
          "data set of a file or folder that holds several, as listed by 'volvis info', or axes of a NumPy array, as in "
-         "zyx; the same as FILE:NAME"},
+         "zyx (--axes zyx is the same); the same as FILE:NAME"},
     {VV_PROP(cli_reading, raw), .kind = VV_KIND_STRING, .unit = "XxYxZ,TYPE[,...]",
      .automatic = "from a name such as engine_256x256x128_uint8.raw",
      .doc = "layout of a file without a header: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},

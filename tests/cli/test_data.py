@@ -565,4 +565,15 @@ def test_no_zero_of_a_text_header_has_a_sign():
             os.remove(name)
 
 
+def test_the_order_of_an_arrays_axes_is_given_by_its_letters():
+    with open("v.npy", "wb") as file:  # 3 x 4 x 5 x 2 bytes
+        head = b"{'descr': '|u1', 'fortran_order': False, 'shape': (3, 4, 5, 2), }"
+        file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", 118) + head.ljust(117) + b"\n" + bytes(120))
+    for words in (("v.npy", "--axes", "czyx"), ("v.npy", "--part", "czyx"), ("v.npy:czyx",)):
+        said = ok("info", *words, "--json").json
+        assert said["dims"] == [2, 5, 4] and said["components"] == 3, said
+    says(fails(2, "info", "v.npy", "--axes", "cxx"), "no part 'cxx'", "a letter of t, z, y, x, c")
+    ok("flip", "v.npy", "-o", "f.npy", "--axes", "x")  # its own
+
+
 main()
