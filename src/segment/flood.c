@@ -232,9 +232,7 @@ vv_status vvi_flood(uint32_t *label, const vvi_heights *heights, const vvi_neigh
                     vvi_basins *basins, uint32_t *next, vv_job *job)
 {
     const size_t bytes = 2 * LISTS * sizeof(uint32_t);
-    flood f = {.label = label,
-               .next = next,
-               .heights = heights,
+    flood f = {.heights = heights,
                .around = around,
                .lines = lines,
                .basins = basins,
@@ -242,6 +240,8 @@ vv_status vvi_flood(uint32_t *label, const vvi_heights *heights, const vvi_neigh
                .list = -1,
                .level = heights->lo,
                .job = job};
+    f.label = label;
+    f.next = next;
     if (!f.head)
         return vv_fail_memory(bytes);
     memset(f.head, 0xff, bytes);

@@ -60,7 +60,12 @@ vv_status vvi_minima_label(uint32_t *label, uint32_t *n_out, const vvi_heights *
                            uint32_t *room, vv_job *job)
 {
     static const vvi_work work = {.stage = "minima", .item = slope_item};
-    shared s = {label, room, heights, around, around->n[0] * around->n[1] * around->n[2], job};
+    shared s = {.label = label,
+                .heights = heights,
+                .around = around,
+                .n = around->n[0] * around->n[1] * around->n[2],
+                .job = job};
+    s.room = room;
     vv_status st = vvi_parallel_for(job, &work, &s, (size_t)((s.n + ITEM_VOXELS - 1) / ITEM_VOXELS));
     *n_out = 0;
     for (int64_t v = 0; v < s.n && st == VV_OK; v++)
