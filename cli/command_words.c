@@ -74,13 +74,23 @@ vv_status cli_command_take_output(cli_command *command)
     return st;
 }
 
+/* Of an operation that has some of its inputs, the one that it lacks. */
+static vv_status fail_missing_word(const cli_verb *verb, size_t n)
+{
+    if (verb->operation && n > 0) {
+        const vv_operand *lacks = vv_operation_operand(verb->operation, n);
+        return vv_fail(VV_E_ARGUMENT, "%s needs one more input, %s: add %s=FILE", verb->name, lacks->doc, lacks->name);
+    }
+    return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
+}
+
 vv_status cli_command_check_words(const cli_command *command)
 {
     const cli_verb *verb = &command->verb;
     const size_t n = command->args.n_words;
     vv_status st;
     if (n < verb->min_words)
-        return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
+        return fail_missing_word(verb, n);
     if (n > verb->max_words && verb->max_words == 0)
         return vv_fail(VV_E_ARGUMENT, "%s takes options only, found '%s'", verb->name, command->args.words[0]);
     if (n > verb->max_words)

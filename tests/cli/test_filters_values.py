@@ -104,7 +104,7 @@ def test_masks_name_labels_as_their_file_does():
     says(fails(2, "mask", "v.nrrd", "mask=organs.seg.nrrd", "--label", "left kidnei", "-o", "x.npy"), "left kidney")
     np.save("small.npy", samples("u1"))
     says(fails(2, "mask", "v.nrrd", "small.npy", "-o", "x.npy"), "resample it first")
-    says(fails(2, "mask", "v.nrrd", "-o", "x.npy"), "mask")
+    says(fails(2, "mask", "v.nrrd", "-o", "x.npy"), "one more input", "mask=FILE")
 
 
 def in_little_memory(name, *words, kind="f4", memory="14M"):
