@@ -29,7 +29,7 @@ typedef struct piping {
     bool from_stream; /* which has been read */
 } piping;
 
-/* What no file is called, and begins with an operation. */
+/* What no file is called, and begins with an operation or looks as if it were meant to. */
 static bool is_chain(const cli_command *command, const char *word)
 {
     char name[64];
@@ -38,7 +38,7 @@ static bool is_chain(const cli_command *command, const char *word)
     for (const vv_operation *const *row = command->registry->operations; *row; row++)
         if (strcmp((*row)->name, name) == 0)
             return access(word, F_OK) != 0;
-    return strchr(word, '|') && access(word, F_OK) != 0;
+    return (strchr(word, '|') || strstr(word, " -")) && access(word, F_OK) != 0;
 }
 
 static vv_status take_words(piping *p)

@@ -209,7 +209,7 @@ def test_a_chain_in_little_memory_gives_the_same_bytes():
 
 def test_what_is_wrong_in_a_chain_is_said_with_its_step():
     write_blob()
-    for chain, words in (("gausian --sigma 1", ("no word is a chain",)), ("gaussian | trheshold --range 1..", ("step 2", "threshold")),
+    for chain, words in (("gausian --sigma 1", ("step 1", "did you mean 'gaussian'")), ("gaussian | trheshold --range 1..", ("step 2", "threshold")),
                          ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("gaussian |", ("step 2", "operation is missing")),
                          ("gaussian 'x", ("quotation mark",)), ("gaussian --threads 2", ("--threads", "outside of the chain")),
                          ("isosurface --iso 9 | median", ("step 2 of the chain, median", "takes a volume")),
