@@ -147,17 +147,23 @@ vv_status vvi_sink_write(vv_sink *s, const void *data, size_t n)
     return VV_OK;
 }
 
-vv_status vvi_sink_printf(vv_sink *s, const char *format, ...)
+vv_status vvi_sink_vprintf(vv_sink *s, const char *format, va_list args)
 {
     char *text = NULL;
-    va_list args;
-    va_start(args, format);
     const int n = vasprintf(&text, format, args);
-    va_end(args);
     if (n < 0)
         return vv_fail_memory(strlen(format));
-    vv_status st = vvi_sink_write(s, text, (size_t)n);
+    const vv_status st = vvi_sink_write(s, text, (size_t)n);
     free(text);
+    return st;
+}
+
+vv_status vvi_sink_printf(vv_sink *s, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const vv_status st = vvi_sink_vprintf(s, format, args);
+    va_end(args);
     return st;
 }
 

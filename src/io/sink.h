@@ -4,6 +4,7 @@
 #ifndef VVI_IO_SINK_H
 #define VVI_IO_SINK_H
 #include "core/status.h"
+#include <stdarg.h>
 #include <volvis/sys/registry.h>
 
 /** "-" is standard output. */
@@ -15,6 +16,7 @@ vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *sink);
 const char *vvi_sink_name(const vv_sink *sink);
 vv_status vvi_sink_write(vv_sink *sink, const void *data, size_t n);
 vv_status vvi_sink_printf(vv_sink *sink, const char *format, ...) VV_PRINTF(2, 3);
+vv_status vvi_sink_vprintf(vv_sink *sink, const char *format, va_list args);
 /** Bytes from here on are coded; VVI_CODING_NONE ends it; not one in another. level 0: the default. (vvi_coding of
  * io/source.h) */
 vv_status vvi_sink_coding(vv_sink *sink, int coding, int level);

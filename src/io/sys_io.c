@@ -4,7 +4,6 @@
 #include "io/sink.h"
 #include "io/source.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <volvis/sys/io.h>
 
 const char *vv_source_name(const vv_source *source)
@@ -69,15 +68,10 @@ vv_status vv_sink_write(vv_sink *sink, const void *data, size_t n)
 
 vv_status vv_sink_printf(vv_sink *sink, const char *format, ...)
 {
-    char *text = NULL;
     va_list args;
     va_start(args, format);
-    const int n = vasprintf(&text, format, args);
+    const vv_status st = vvi_sink_vprintf(sink, format, args);
     va_end(args);
-    if (n < 0)
-        return vv_fail_memory(0);
-    const vv_status st = vvi_sink_write(sink, text, (size_t)n);
-    free(text);
     return st;
 }
 
