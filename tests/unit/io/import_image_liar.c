@@ -1,42 +1,12 @@
 /* What an import program that an image has taken over might say. The name of the file that it should read says which
  * lie; up to that it says what is right: 3 x 2 pixels with their depth. */
+#include "import_liar.h"
 #include "io/import_image.h"
-#include "io/import_wire.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-static int pixels = -1; /* the shared memory that came with a request */
-
-static void take(void *out, size_t n)
-{
-    char control[CMSG_SPACE(sizeof(int))];
-    while (n > 0) {
-        struct iovec piece = {out, n};
-        struct msghdr message = {
-            .msg_iov = &piece, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof control};
-        const ssize_t got = recvmsg(VVI_IMPORT_SOCKET, &message, 0);
-        if (got <= 0)
-            _exit(0);
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        if (c)
-            memcpy(&pixels, CMSG_DATA(c), sizeof pixels);
-        out = (char *)out + got;
-        n -= (size_t)got;
-    }
-}
-
-static char *take_message(size_t *n)
-{
-    vvi_wire_head head;
-    take(&head, sizeof head);
-    char *bytes = malloc(head.n_bytes + 1);
-    take(bytes, head.n_bytes);
-    *n = head.n_bytes;
-    return bytes;
-}
 
 static bool is(const char *lie, const char *what)
 {
@@ -57,7 +27,7 @@ static void open_image(const char *lie)
 static void fill(const char *lie)
 {
     const vvi_image_room r = vvi_image_room_of(3, 2, VV_LAYER_DEPTH);
-    float *at = mmap(NULL, r.end, PROT_READ | PROT_WRITE, MAP_SHARED, pixels, 0);
+    float *at = mmap(NULL, r.end, PROT_READ | PROT_WRITE, MAP_SHARED, shared, 0);
     for (size_t i = 0; i < r.end / sizeof *at; i++)
         at[i] = (float)i;
     if (!is(lie, "held"))

@@ -1,6 +1,6 @@
 /* What an import program that a file has taken over might say. The name of the file that it should open says which
  * lie; up to that it says what is right: 4 x 3 x 2 u8. */
-#include "io/import_wire.h"
+#include "import_liar.h"
 #include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,36 +9,6 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-static int samples = -1; /* the shared memory that came with a request */
-
-static void take(void *out, size_t n)
-{
-    char control[CMSG_SPACE(sizeof(int))];
-    while (n > 0) {
-        struct iovec piece = {out, n};
-        struct msghdr message = {
-            .msg_iov = &piece, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof control};
-        const ssize_t got = recvmsg(VVI_IMPORT_SOCKET, &message, 0);
-        if (got <= 0)
-            _exit(0);
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        if (c)
-            memcpy(&samples, CMSG_DATA(c), sizeof samples);
-        out = (char *)out + got;
-        n -= (size_t)got;
-    }
-}
-
-static char *take_message(size_t *n)
-{
-    vvi_wire_head head;
-    take(&head, sizeof head);
-    char *bytes = malloc(head.n_bytes + 1);
-    take(bytes, head.n_bytes);
-    *n = head.n_bytes;
-    return bytes;
-}
 
 static void say(uint32_t magic, uint32_t kind, uint64_t n, const vvi_text *body)
 {
@@ -193,11 +163,11 @@ static void lie_at_read(const char *lie)
 {
     vv_field_info info = right_info();
     const size_t n = 24;
-    char *memory = mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED, samples, 0);
+    char *memory = mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED, shared, 0);
     memset(memory, 7, n);
-    if (strcmp(lie, "shrink") == 0 && ftruncate(samples, 0) == 0)
+    if (strcmp(lie, "shrink") == 0 && ftruncate(shared, 0) == 0)
         _exit(9); /* the seal should have refused it */
-    if (strcmp(lie, "grow") == 0 && ftruncate(samples, 1 << 20) == 0)
+    if (strcmp(lie, "grow") == 0 && ftruncate(shared, 1 << 20) == 0)
         _exit(9);
     if (strcmp(lie, "held") != 0)
         munmap(memory, n);
@@ -217,7 +187,7 @@ static void lie_at_read(const char *lie)
     done(&info, strcmp(lie, "damaged") == 0 ? 2 : 0);
     if (strcmp(lie, "after") == 0) { /* tries to change what was handed over */
         for (int i = 0; i < 100000; i++) {
-            if (pwrite(samples, "xxxxxxxx", 8, 0) > 0)
+            if (pwrite(shared, "xxxxxxxx", 8, 0) > 0)
                 continue;
         }
     }
@@ -236,6 +206,6 @@ int main(void)
     for (;;) {
         free(take_message(&n));
         lie_at_read(lie);
-        close(samples);
+        close(shared);
     }
 }

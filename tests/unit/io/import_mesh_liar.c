@@ -1,44 +1,14 @@
 /* What an import program that a mesh has taken over might say. The name of the file that it should read says which lie;
  * up to that it says what is right: a tetrahedron in two parts. */
 #include "grid/mesh.h"
+#include "import_liar.h"
 #include "io/import_mesh.h"
-#include "io/import_wire.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-static int samples = -1; /* the shared memory that came with a request */
-
-static void take(void *out, size_t n)
-{
-    char control[CMSG_SPACE(sizeof(int))];
-    while (n > 0) {
-        struct iovec piece = {out, n};
-        struct msghdr message = {
-            .msg_iov = &piece, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof control};
-        const ssize_t got = recvmsg(VVI_IMPORT_SOCKET, &message, 0);
-        if (got <= 0)
-            _exit(0);
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        if (c)
-            memcpy(&samples, CMSG_DATA(c), sizeof samples);
-        out = (char *)out + got;
-        n -= (size_t)got;
-    }
-}
-
-static char *take_message(size_t *n)
-{
-    vvi_wire_head head;
-    take(&head, sizeof head);
-    char *bytes = malloc(head.n_bytes + 1);
-    take(bytes, head.n_bytes);
-    *n = head.n_bytes;
-    return bytes;
-}
 
 static bool is(const char *lie, const char *what)
 {
@@ -71,7 +41,7 @@ static void fill(const char *lie, const vv_mesh_info *mesh)
 {
     static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
     const vvi_mesh_room r = vvi_mesh_room_of(mesh, VVI_MESH_NORMALS);
-    char *at = mmap(NULL, r.end, PROT_READ | PROT_WRITE, MAP_SHARED, samples, 0);
+    char *at = mmap(NULL, r.end, PROT_READ | PROT_WRITE, MAP_SHARED, shared, 0);
     float *positions = (float *)(void *)(at + r.positions), *normals = (float *)(void *)(at + r.normals);
     vv_mesh_part *parts = (vv_mesh_part *)(void *)(at + r.parts);
     for (int v = 1; v < 4; v++)
