@@ -1,8 +1,8 @@
 /* --method, --mode, --iso, --step, and how much is spent on a picture. */
 #include "core/units.h"
 #include "edits.h"
+#include "measuring/world_data.h"
 #include "refusal.h"
-#include "run/measured.h"
 #include "scene/resolve.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "edits.h"
 #include "input.h"
 #include "measuring/measuring.h"
-#include "run/measured.h"
+#include "measuring/world_data.h"
 #include "run/stream.h"
 
 /** What is asked: the kind, and one file or two. */

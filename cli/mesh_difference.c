@@ -3,7 +3,7 @@
 #include "core/units.h"
 #include "core/vec.h"
 #include "grid/mesh.h"
-#include "measure/beyond.h"
+#include "measure/far_triangles.h"
 #include "measuring/answer.h"
 #include "value.h"
 #include <float.h>

@@ -116,13 +116,13 @@ typedef struct vv_segmentation {
 } vv_segmentation;
 
 /** Places an object: p_world = matrix p, or position + rotation about z, y, x after scale. */
-typedef struct vv_frame {
+typedef struct vv_placement {
     vv_object base;
     vv_vec3 position;
     vv_vec3 rotation; /**< radians about x, then y, then z */
     vv_vec3 scale;
     vv_numbers *matrix; /**< 3 rows of 4: replaces the others when set */
-} vv_frame;
+} vv_placement;
 
 typedef enum vv_interpolation { VV_INTERPOLATE_LINEAR, VV_INTERPOLATE_NEAREST, VV_INTERPOLATE_CUBIC } vv_interpolation;
 
@@ -159,7 +159,7 @@ typedef struct vv_volume_texture {
     vv_color color, second_color; /**< of patterns */
     double frequency;             /**< per world length, before the volume is placed */
     int64_t seed;
-    vv_object *place; /**< vv_frame, from the middle of the volume */
+    vv_object *place; /**< vv_placement, from the middle of the volume */
 } vv_volume_texture;
 
 typedef enum vv_slice_colors { VV_SLICE_WINDOW, VV_SLICE_TRANSFER } vv_slice_colors;
@@ -185,7 +185,7 @@ typedef struct vv_volume {
     char *attribute; /**< a field of the dataset; unset: its first */
     int64_t component, frame, level;
     vv_numbers *missing; /**< values that stand for none; unset: found from the samples */
-    vv_object *place;    /**< vv_frame, after the dataset's own placement */
+    vv_object *place;    /**< vv_placement, after the dataset's own placement */
     vv_object *segmentation, *shading;
     int interpolation;
     vv_color color;     /**< of threshold and isosurface */

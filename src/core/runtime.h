@@ -12,10 +12,10 @@
  */
 #ifndef VVI_CORE_RUNTIME_H
 #define VVI_CORE_RUNTIME_H
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/kept_maps.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "core/pool.h"
 #include <pthread.h>
 #include <stdatomic.h>

@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/noise.h"
-#include "filter/reals.h"
+#include "filter/real_samples.h"
 #include "filter/sigma.h"
 #include "filter/smoothing_kernel.h"
 #include "filter/window.h"

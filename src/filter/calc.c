@@ -1,8 +1,8 @@
 /* Calc: a formula of the values of several volumes at each sample. */
 #include "core/expression.h"
 #include "core/memory.h"
-#include "grid/alike.h"
 #include "grid/making.h"
+#include "grid/same_grid.h"
 #include "registry.h"
 
 #include <math.h>

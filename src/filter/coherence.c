@@ -2,8 +2,8 @@
 #include "core/memory.h"
 #include "core/symmetric.h"
 #include "core/vec.h"
-#include "filter/reals.h"
-#include "filter/smoothed.h"
+#include "filter/real_samples.h"
+#include "filter/smoothed_samples.h"
 #include "grid/slabs.h"
 #include "registry.h"
 

@@ -5,7 +5,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/noise.h"
-#include "filter/reals.h"
+#include "filter/real_samples.h"
 #include "filter/smoothing_kernel.h"
 #include "filter/window.h"
 #include "grid/making.h"

@@ -1,8 +1,8 @@
 #include "filter/hessian.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "filter/reals.h"
-#include "filter/smoothed.h"
+#include "filter/real_samples.h"
+#include "filter/smoothed_samples.h"
 #include "filter/window.h"
 #include "grid/slabs.h"
 

@@ -1,9 +1,9 @@
 /* Mask: values where another volume says so, and one value elsewhere. */
 #include "core/memory.h"
 #include "filter/amounts.h"
-#include "grid/alike.h"
 #include "grid/label_id.h"
 #include "grid/making.h"
+#include "grid/same_grid.h"
 #include "registry.h"
 
 #include <math.h>

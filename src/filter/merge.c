@@ -1,8 +1,8 @@
 /* Merge: volumes of one grid as the channels of one. */
 #include "core/memory.h"
-#include "grid/alike.h"
 #include "grid/label_id.h"
 #include "grid/making.h"
+#include "grid/same_grid.h"
 #include "registry.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "filter/reals.h"
+#include "filter/real_samples.h"
 
 #include <math.h>
 

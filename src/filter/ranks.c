@@ -1,8 +1,8 @@
 #include "filter/ranks.h"
 #include "core/cache.h"
 #include "core/memory.h"
-#include "grid/pass.h"
 #include "grid/statistics.h"
+#include "grid/value_pass.h"
 
 #include <math.h>
 

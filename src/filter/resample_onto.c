@@ -1,8 +1,8 @@
 #include "filter/resample_onto.h"
 #include "core/memory.h"
 #include "filter/amounts.h"
-#include "grid/alike.h"
 #include "grid/making.h"
+#include "grid/same_grid.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 #include "core/memory.h"
 #include "filter/corner_set.h"
 #include "filter/near_cells.h"
-#include "measure/beyond.h"
 #include "measure/bvh.h"
+#include "measure/far_triangles.h"
 
 #include <math.h>
 #include <stdint.h>

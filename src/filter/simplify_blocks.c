@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "filter/simplify_seams.h"
 #include "measure/bvh.h"
-#include "surface/chosen.h"
+#include "surface/chosen_triangles.h"
 
 #include <string.h>
 

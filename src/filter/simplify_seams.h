@@ -4,7 +4,7 @@
 #ifndef VVI_FILTER_SIMPLIFY_SEAMS_H
 #define VVI_FILTER_SIMPLIFY_SEAMS_H
 #include "filter/simplify_attempts.h"
-#include "surface/chosen.h"
+#include "surface/chosen_triangles.h"
 
 /** Simplifies what is around seams, within how->error of how->before, which all of it is within already. seam: of each
  * vertex of the mesh: 1: it is on a seam; 0: it is not. Surfaces that touch are cut apart; the edges that more than two

@@ -3,7 +3,7 @@
 #include "filter/simplify_share.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
-#include "measure/beyond.h"
+#include "measure/far_triangles.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "filter/simplify_attempts.h"
 #include "filter/simplify_blocks.h"
 #include "filter/simplify_share.h"
-#include "measure/beyond.h"
 #include "measure/bvh.h"
+#include "measure/far_triangles.h"
 
 #include <math.h>
 

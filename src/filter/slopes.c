@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "filter/slopes_kernel.h"
-#include "filter/smoothed.h"
+#include "filter/smoothed_samples.h"
 #include "filter/window.h"
 #include "grid/making.h"
 #include "registry.h"

@@ -1,6 +1,6 @@
 /* Unsharp masking: what a Gaussian takes away is added once more. */
 #include "core/memory.h"
-#include "filter/smoothed.h"
+#include "filter/smoothed_samples.h"
 #include "grid/making.h"
 #include "registry.h"
 

@@ -3,7 +3,7 @@
 #include "core/findings.h"
 #include "core/memory.h"
 #include "filter/hessian.h"
-#include "filter/smoothed.h"
+#include "filter/smoothed_samples.h"
 #include "registry.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 #ifndef VVI_GFX_RASTER_H
 #define VVI_GFX_RASTER_H
 #include "gfx/backend.h"
-#include "gfx/shape.h"
+#include "gfx/flat.h"
 
 /** Steps of vertex places in a pixel; what lies further out than VVI_GFX_REACH pixels is cut off first. */
 enum { VVI_GFX_STEPS = 256, VVI_GFX_REACH = 24576 };

@@ -19,7 +19,7 @@ static vv_status begin(vvi_gfx *gfx)
 
 /* Taking down ----------------------------------------------------------------------------------------------------- */
 
-static vv_status add(vvi_gfx *gfx, vvi_gfx_draw *draw, vvi_gfx_shape *shape)
+static vv_status add(vvi_gfx *gfx, vvi_gfx_draw *draw, vvi_gfx_flat *shape)
 {
     vvi_gfx_software_picture *p = gfx->own;
     vvi_gfx_command *c = vvi_gfx_keep(gfx, sizeof *c);
@@ -130,7 +130,7 @@ static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
     return st;
 }
 
-static vv_status add_shape(vvi_gfx *gfx, vvi_gfx_shape *shape, vv_status st)
+static vv_status add_shape(vvi_gfx *gfx, vvi_gfx_flat *shape, vv_status st)
 {
     return st == VV_OK && shape ? add(gfx, NULL, shape) : st;
 }
@@ -138,29 +138,29 @@ static vv_status add_shape(vvi_gfx *gfx, vvi_gfx_shape *shape, vv_status st)
 static vv_status line(vvi_gfx *gfx, const vv_vec3 *points, size_t n_points, vvi_gfx_join join,
                       const vvi_gfx_stroke *stroke)
 {
-    vvi_gfx_shape *shape;
-    const vv_status st = vvi_gfx_shape_line(&shape, gfx, points, n_points, join, stroke, false);
+    vvi_gfx_flat *shape;
+    const vv_status st = vvi_gfx_flat_line(&shape, gfx, points, n_points, join, stroke, false);
     return add_shape(gfx, shape, st);
 }
 
 static vv_status points(vvi_gfx *gfx, const vv_vec3 *places, size_t n_points, double diameter, vv_color color)
 {
-    vvi_gfx_shape *shape;
-    const vv_status st = vvi_gfx_shape_points(&shape, gfx, places, n_points, diameter, color);
+    vvi_gfx_flat *shape;
+    const vv_status st = vvi_gfx_flat_points(&shape, gfx, places, n_points, diameter, color);
     return add_shape(gfx, shape, st);
 }
 
 static vv_status polygon(vvi_gfx *gfx, const vv_vec3 *places, size_t n_points, const vvi_gfx_fill *fill)
 {
-    vvi_gfx_shape *shape;
-    const vv_status st = vvi_gfx_shape_polygon(&shape, gfx, places, n_points, fill);
+    vvi_gfx_flat *shape;
+    const vv_status st = vvi_gfx_flat_polygon(&shape, gfx, places, n_points, fill);
     return add_shape(gfx, shape, st);
 }
 
 static vv_status text(vvi_gfx *gfx, vv_vec3 at, const vvi_gfx_label *label, const char *utf8)
 {
-    vvi_gfx_shape *shape[2];
-    vv_status st = vvi_gfx_shape_text(shape, gfx, at, label, utf8);
+    vvi_gfx_flat *shape[2];
+    vv_status st = vvi_gfx_flat_text(shape, gfx, at, label, utf8);
     for (int i = 0; i < 2; i++)
         st = add_shape(gfx, shape[i], st);
     return st;

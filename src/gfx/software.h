@@ -8,7 +8,7 @@
 /** A mesh or a shape, in the order of the calls. */
 typedef struct vvi_gfx_command {
     vvi_gfx_draw *draw; /**< NULL: a shape */
-    vvi_gfx_shape *shape;
+    vvi_gfx_flat *shape;
 } vvi_gfx_command;
 
 /** All that is to be drawn. */

@@ -5,8 +5,8 @@
 #include "core/job.h"
 #include "core/units.h"
 #include "gfx/facets.h"
+#include "gfx/flat.h"
 #include "gfx/png.h"
-#include "gfx/shape.h"
 #include <string.h>
 
 /* Places that a document may have: about 50 MB of text. */
@@ -14,7 +14,7 @@
 
 /* One element, in the order of the calls. */
 typedef struct item {
-    const vvi_gfx_shape *shape; /* NULL: text */
+    const vvi_gfx_flat *shape; /* NULL: text */
     vvi_gfx_stroke stroke;
     const char *text;
     vvi_gfx_label label;
@@ -93,9 +93,9 @@ static vv_status add(vvi_gfx *gfx, const item *one)
 static vv_status line(vvi_gfx *gfx, const vv_vec3 *points, size_t n_points, vvi_gfx_join join,
                       const vvi_gfx_stroke *stroke)
 {
-    vvi_gfx_shape *shape;
+    vvi_gfx_flat *shape;
     const bool hides = gfx->state.view && gfx->state.depth; /* then parts are left out, and dashes are parts, too */
-    const vv_status st = vvi_gfx_shape_line(&shape, gfx, points, n_points, join, stroke, !hides);
+    const vv_status st = vvi_gfx_flat_line(&shape, gfx, points, n_points, join, stroke, !hides);
     item one = {.shape = shape, .stroke = *stroke};
     if (hides)
         one.stroke.dash = 0;
@@ -104,21 +104,21 @@ static vv_status line(vvi_gfx *gfx, const vv_vec3 *points, size_t n_points, vvi_
 
 static vv_status points(vvi_gfx *gfx, const vv_vec3 *places, size_t n_points, double diameter, vv_color color)
 {
-    vvi_gfx_shape *shape;
-    const vv_status st = vvi_gfx_shape_points(&shape, gfx, places, n_points, diameter, color);
+    vvi_gfx_flat *shape;
+    const vv_status st = vvi_gfx_flat_points(&shape, gfx, places, n_points, diameter, color);
     return st == VV_OK && shape ? add(gfx, &(item){.shape = shape}) : st;
 }
 
 static vv_status polygon(vvi_gfx *gfx, const vv_vec3 *places, size_t n_points, const vvi_gfx_fill *fill)
 {
-    vvi_gfx_shape *shape;
+    vvi_gfx_flat *shape;
     vvi_gfx *picture;
     vv_status st;
     if (gfx->state.view && gfx->state.depth) {
         st = inner(&picture, gfx);
         return st == VV_OK ? vvi_gfx_polygon(picture, places, n_points, fill) : st;
     }
-    st = vvi_gfx_shape_polygon(&shape, gfx, places, n_points, fill);
+    st = vvi_gfx_flat_polygon(&shape, gfx, places, n_points, fill);
     return st == VV_OK && shape ? add(gfx, &(item){.shape = shape}) : st;
 }
 
@@ -243,7 +243,7 @@ static void segment(vvi_text *out, const item *i, const vv_image *image, vvi_gfx
 static void write_line(document *d, vvi_gfx *gfx, const item *i, const vv_image *image)
 {
     vvi_text *out = gfx->target.svg;
-    const vvi_gfx_shape *s = i->shape;
+    const vvi_gfx_flat *s = i->shape;
     vvi_gfx_spot pen = {.x = NAN};
     open_element(d, gfx, i, "path");
     vvi_text_add(out, " fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\"");
@@ -305,7 +305,7 @@ static unsigned gradient(document *d, vvi_text *out, const vvi_gfx_paint *p)
 static void write_area(document *d, vvi_gfx *gfx, const item *i)
 {
     vvi_text *out = gfx->target.svg;
-    const vvi_gfx_shape *s = i->shape;
+    const vvi_gfx_flat *s = i->shape;
     const unsigned fill = s->paint.n_stops ? gradient(d, out, &s->paint) : 0;
     open_element(d, gfx, i, "path");
     vvi_text_add(out, " fill-rule=\"evenodd\"");

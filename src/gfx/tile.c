@@ -260,7 +260,7 @@ vv_status vvi_gfx_tile_draw(vvi_gfx *gfx, vvi_gfx_tile_room *r, size_t tile)
     }
     for (size_t i = 0; i < p->commands.n && st == VV_OK; i++) {
         const vvi_gfx_command *c = p->commands.item[i];
-        if (c->shape && (st = vvi_gfx_shape_draw(c->shape, &area, image, r->depth, gfx->job)) == VV_OK)
+        if (c->shape && (st = vvi_gfx_flat_draw(c->shape, &area, image, r->depth, gfx->job)) == VV_OK)
             st = vvi_job_poll(gfx->job);
     }
     store_depth(r, &area, image);

@@ -1,7 +1,7 @@
 /* Counts of the samples by equal bins of a range that is known. */
 #include "core/memory.h"
-#include "grid/pass.h"
 #include "grid/statistics.h"
+#include "grid/value_pass.h"
 
 #include <math.h>
 #include <stdatomic.h>

@@ -4,8 +4,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/field.h"
-#include "grid/pass.h"
 #include "grid/value_fit.h"
+#include "grid/value_pass.h"
 #include <float.h>
 #include <math.h>
 #include <pthread.h>

@@ -3,7 +3,7 @@
 #include "grid/statistics.h"
 
 #include "core/memory.h"
-#include "grid/pass.h"
+#include "grid/value_pass.h"
 
 #include <math.h>
 

@@ -7,7 +7,7 @@
  */
 #ifndef VVI_GRID_SELECTION_H
 #define VVI_GRID_SELECTION_H
-#include "grid/pass.h"
+#include "grid/value_pass.h"
 
 /** The most ranks that are asked for at once. */
 #define VVI_RANKS_MOST 16

@@ -5,7 +5,7 @@
 #ifndef VVI_GRID_STATISTICS_H
 #define VVI_GRID_STATISTICS_H
 #include "grid/field.h"
-#include "grid/pass.h"
+#include "grid/value_pass.h"
 
 /** Of one stored 8- or 16-bit pattern each. */
 #define VVI_COUNTS_MOST 65536

@@ -1,5 +1,5 @@
 /* volvis-import: reads volume files for a program that runs with --safe. Not for people. */
-#include "io/import_wire.h"
+#include "import/import_wire.h"
 #include "lock.h"
 #include "serve.h"
 #include <stdio.h>

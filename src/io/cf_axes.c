@@ -1,6 +1,6 @@
 #include "io/cf_axes.h"
 #include "core/units.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
  */
 #ifndef VVI_IO_DATA_FILES_H
 #define VVI_IO_DATA_FILES_H
-#include "io/keys.h"
+#include "io/header_keys.h"
 #include "io/layout.h"
 
 typedef struct vvi_data_files {

@@ -1,9 +1,11 @@
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "core/text.h"
 #include "grid/fill_value.h"
 #include "grid/true_values.h"
+#include "import/import.h"
+#include "import/import_process.h"
 #include "io/data_file.h"
 #include "io/file_beside.h"
 #include "io/file_leaving.h"
@@ -11,8 +13,6 @@
 #include "io/folder.h"
 #include "io/format.h"
 #include "io/formats/steps/steps.h"
-#include "io/import.h"
-#include "io/import_process.h"
 #include "io/notes.h"
 #include <math.h>
 #include <stdlib.h>

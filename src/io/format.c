@@ -2,7 +2,7 @@
 #include "core/names.h"
 #include "core/text.h"
 #include "io/coding.h"
-#include "io/foreign.h"
+#include "io/foreign_files.h"
 #include "io/formats/slices/slices.h"
 #include "io/formats/slices/slices_write.h"
 #include "io/mesh_file.h"

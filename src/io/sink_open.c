@@ -1,8 +1,8 @@
 /* Where a sink writes: to a file of its own beside the target, without a name where that can be, else to a stream, to
  * memory, or to files of a folder. Files that belong together hang as a list on the first. */
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "io/sink_impl.h"
 #include "io/store_impl.h"
 #include <errno.h>

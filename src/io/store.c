@@ -1,6 +1,6 @@
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>

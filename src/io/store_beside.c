@@ -1,7 +1,7 @@
 /* Files that a header names, or that lie in a folder: names inside files are data, never paths. */
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>

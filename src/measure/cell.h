@@ -6,7 +6,7 @@
  */
 #ifndef VVI_MEASURE_CELL_H
 #define VVI_MEASURE_CELL_H
-#include "measure/chain.h"
+#include "measure/triangle_chain.h"
 #include "surface/cases.h"
 
 typedef struct vvi_cell {

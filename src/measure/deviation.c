@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "measure/farthest.h"
+#include "measure/farthest_place.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "grid/mesh.h"
 #include "grid/mesh_normals.h"
 #include "measure/mass_kernel.h"
-#include "surface/places.h"
+#include "surface/vertex_places.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,9 +4,9 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "grid/alike.h"
 #include "grid/field.h"
 #include "grid/label_id.h"
+#include "grid/same_grid.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "measure/triangle.h"
-#include "surface/places.h"
+#include "surface/vertex_places.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  */
 #ifndef VVI_MEASURE_VALUE_SAMPLES_H
 #define VVI_MEASURE_VALUE_SAMPLES_H
-#include "grid/pass.h"
+#include "grid/value_pass.h"
 #include "measure/object.h"
 #include "measure/region.h"
 

@@ -80,9 +80,9 @@ vv_status vvi_check_labels(const vv_object *object, const char *path)
     return VV_OK;
 }
 
-vv_status vvi_check_frame(const vv_object *object, const char *path)
+vv_status vvi_check_placement(const vv_object *object, const char *path)
 {
-    const vv_frame *frame = (const vv_frame *)object;
+    const vv_placement *frame = (const vv_placement *)object;
     if (frame->scale.x == 0 || frame->scale.y == 0 || frame->scale.z == 0)
         return fail_property(path, "scale", "a factor of 0 leaves nothing to see");
     if (!frame->matrix)

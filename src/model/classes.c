@@ -240,22 +240,23 @@ const vv_class vv_segmentation_class = {
 
 /* Volumes ------------------------------------------------------------------------------------------------------- */
 
-static const vv_property frame[] = {
-    {VV_PROP(vv_frame, position), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .doc = "position of its origin"},
-    {VV_PROP(vv_frame, rotation), .kind = VV_KIND_VEC3, .quantity = VV_Q_ANGLE,
+static const vv_property placement[] = {
+    {VV_PROP(vv_placement, position), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .doc = "position of its origin"},
+    {VV_PROP(vv_placement, rotation), .kind = VV_KIND_VEC3, .quantity = VV_Q_ANGLE,
      .doc = "rotation about x, then y, then z"},
-    {VV_PROP(vv_frame, scale), .kind = VV_KIND_VEC3, .def_text = "[1, 1, 1]",
+    {VV_PROP(vv_placement, scale), .kind = VV_KIND_VEC3, .def_text = "[1, 1, 1]",
      .doc = "factors along its own axes, applied before rotation; must not be 0"},
-    {VV_PROP(vv_frame, matrix), .kind = VV_KIND_NUMBERS, .columns = 4, .automatic = "from position, rotation and scale",
+    {VV_PROP(vv_placement, matrix), .kind = VV_KIND_NUMBERS, .columns = 4,
+     .automatic = "from position, rotation and scale",
      .doc = "3 rows of 4 numbers, used instead of the others: world = matrix [x, y, z, 1]"},
     END,
 };
-const vv_class vvi_frame_class = {
-    .name = "frame",
+const vv_class vvi_placement_class = {
+    .name = "placement",
     .doc = "places an object in the World",
-    .size = sizeof(vv_frame),
-    .properties = frame,
-    .check = vvi_check_frame,
+    .size = sizeof(vv_placement),
+    .properties = placement,
+    .check = vvi_check_placement,
 };
 
 static const vv_property paint[] = {
@@ -332,7 +333,7 @@ static const vv_property volume[] = {
     {VV_PROP(vv_volume, missing), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true,
      .automatic = "one value far from all others that many samples have, such as -9999",
      .doc = "values that stand for none, and are not seen; []: every value is one"},
-    {VV_PROP(vv_volume, place), .kind = VV_KIND_OBJECT, .cls = &vvi_frame_class,
+    {VV_PROP(vv_volume, place), .kind = VV_KIND_OBJECT, .cls = &vvi_placement_class,
      .doc = "position, applied after the placement that its data gives"},
     {VV_PROP(vv_volume, segmentation), .kind = VV_KIND_OBJECT, .cls = &vv_segmentation_class,
      .doc = "which of its values are seen"},

@@ -5,10 +5,10 @@
 #define VVI_MODEL_CLASSES_H
 #include <volvis/model.h>
 
-extern const vv_class vvi_frame_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class, vvi_label_name_class,
-    vvi_transfer_region_class, vvi_color_data_class, vvi_volume_paint_class, vvi_render_choice_class,
-    vvi_layer_choice_class, vvi_volume_texture_class, vvi_decorations_class, vvi_measurement_class,
-    vvi_measured_figure_class, vvi_volume_slices_class;
+extern const vv_class vvi_placement_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class,
+    vvi_label_name_class, vvi_transfer_region_class, vvi_color_data_class, vvi_volume_paint_class,
+    vvi_render_choice_class, vvi_layer_choice_class, vvi_volume_texture_class, vvi_decorations_class,
+    vvi_measurement_class, vvi_measured_figure_class, vvi_volume_slices_class;
 
 /** Kinds of text, by how many bytes they may have: a World is told to everybody who looks at it. */
 #define VVI_TEXT(bytes) .kind = VV_KIND_STRING, .limited = true, .max = (bytes)
@@ -24,7 +24,7 @@ vv_status vvi_check_cut_plane(const vv_object *object, const char *path);
 vv_status vvi_check_transfer(const vv_object *object, const char *path);
 vv_status vvi_check_paint(const vv_object *object, const char *path);
 vv_status vvi_check_labels(const vv_object *object, const char *path);
-vv_status vvi_check_frame(const vv_object *object, const char *path);
+vv_status vvi_check_placement(const vv_object *object, const char *path);
 vv_status vvi_check_dataset(const vv_object *object, const char *path);
 /** "crc32:89abcdef" */
 bool vvi_checksum_parse(uint32_t *out, const char *text);

@@ -31,7 +31,7 @@ static const vv_property texture[] = {
      .doc = "images, cells, rings or veins per length of the World, before the volume is placed"},
     {VV_PROP(vv_volume_texture, seed), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
      .doc = "for patterns: another seed gives another piece of wood"},
-    {VV_PROP(vv_volume_texture, place), .kind = VV_KIND_OBJECT, .cls = &vvi_frame_class,
+    {VV_PROP(vv_volume_texture, place), .kind = VV_KIND_OBJECT, .cls = &vvi_placement_class,
      .doc = "position in the volume's own space, from the middle of the volume"},
     {0},
 };

@@ -7,7 +7,7 @@
  */
 #include "core/memory.h"
 #include "core/status.h"
-#include "render/frame.h"
+#include "render/picture.h"
 #include <math.h>
 #include <string.h>
 
@@ -79,7 +79,7 @@ static bool surprises(const adaptive *a, int32_t i, int32_t j, int side)
     for (int32_t j = (tile)->y0 / VVI_COARSE; j < (a)->n_down && j * VVI_COARSE < (tile)->y1; j++)                     \
         for (int32_t i = (tile)->x0 / VVI_COARSE; i < (a)->n_across && i * VVI_COARSE < (tile)->x1; i++)
 
-static vv_status compare_corners(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status compare_corners(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                  vv_render_counts *counts)
 {
     const adaptive *a = user;
@@ -112,7 +112,7 @@ static bool is_surprised(const adaptive *a, int32_t i, int32_t j)
 
 /* What a fresh neighbour showed makes a square wanted. Neighbours in other tiles may become wanted at the same time;
  * whether they are fresh does not change here. */
-static vv_status compare_sides(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status compare_sides(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                vv_render_counts *counts)
 {
     adaptive *a = user;
@@ -127,16 +127,16 @@ static vv_status compare_sides(vvi_frame *frame, void *user, const vv_tile *tile
 }
 
 /* The rays of squares i0 .. i1 - 1 of one row. */
-static vv_status render_run(vvi_frame *frame, adaptive *a, int32_t i0, int32_t i1, int32_t j, vv_image *scratch,
+static vv_status render_run(vvi_picture *picture, adaptive *a, int32_t i0, int32_t i1, int32_t j, vv_image *scratch,
                             vv_render_counts *counts)
 {
     const int32_t x = i0 * VVI_COARSE, y = j * VVI_COARSE, right = i1 * VVI_COARSE, bottom = y + VVI_COARSE;
-    const vv_tile tile = {x, y, right < frame->image->width ? right : frame->image->width,
-                          bottom < frame->image->height ? bottom : frame->image->height};
-    return vvi_preview_render(frame, a->canvas, &tile, scratch, counts);
+    const vv_tile tile = {x, y, right < picture->image->width ? right : picture->image->width,
+                          bottom < picture->image->height ? bottom : picture->image->height};
+    return vvi_preview_render(picture, a->canvas, &tile, scratch, counts);
 }
 
-static vv_status render_wanted(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status render_wanted(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                vv_render_counts *counts)
 {
     adaptive *a = user;
@@ -150,14 +150,15 @@ static vv_status render_wanted(vvi_frame *frame, void *user, const vv_tile *tile
         int32_t end = i;
         while (end * VVI_COARSE < tile->x1 && state_of(a, end, j) == WANTED)
             set_state(a, end++, j, FRESH);
-        if ((st = render_run(frame, a, i, end, j, scratch, counts)) != VV_OK)
+        if ((st = render_run(picture, a, i, end, j, scratch, counts)) != VV_OK)
             return st;
         i = end - 1;
     }
     return VV_OK;
 }
 
-static vv_status fill_in(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch, vv_render_counts *counts)
+static vv_status fill_in(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+                         vv_render_counts *counts)
 {
     const adaptive *a = user;
     EACH_SQUARE(a, tile, i, j)
@@ -174,12 +175,12 @@ static vv_status fill_in(vvi_frame *frame, void *user, const vv_tile *tile, vv_i
     return VV_OK;
 }
 
-static vv_status run(vvi_frame *frame, adaptive *a)
+static vv_status run(vvi_picture *picture, adaptive *a)
 {
     vvi_tiles tiles = {.width = a->n_across * VVI_COARSE, .height = a->n_down * VVI_COARSE, .user = a, .quiet = true};
     vv_status st;
     tiles.tile = compare_corners;
-    if ((st = vvi_frame_loop(frame, &tiles)) != VV_OK)
+    if ((st = vvi_picture_loop(picture, &tiles)) != VV_OK)
         return st;
     a->any_wanted = true;
     for (int round = 0; round < MOST_ROUNDS && a->any_wanted; round++) {
@@ -187,27 +188,27 @@ static vv_status run(vvi_frame *frame, adaptive *a)
         tiles.tile = render_wanted;
         tiles.scratch = true;
         tiles.quiet = round > 0; /* the first has nearly all of the work */
-        if ((st = vvi_frame_loop(frame, &tiles)) != VV_OK)
+        if ((st = vvi_picture_loop(picture, &tiles)) != VV_OK)
             return st;
         tiles.tile = compare_sides;
         tiles.scratch = false;
         tiles.quiet = true;
-        if ((st = vvi_frame_loop(frame, &tiles)) != VV_OK)
+        if ((st = vvi_picture_loop(picture, &tiles)) != VV_OK)
             return st;
     }
     tiles.tile = fill_in;
-    return vvi_frame_loop(frame, &tiles);
+    return vvi_picture_loop(picture, &tiles);
 }
 
-vv_status vvi_adaptive_finish(vvi_frame *frame, vv_image *canvas)
+vv_status vvi_adaptive_finish(vvi_picture *picture, vv_image *canvas)
 {
     adaptive a = {
         .canvas = canvas, .n_across = (canvas->width - 1) / VVI_COARSE, .n_down = (canvas->height - 1) / VVI_COARSE};
     const size_t n = (size_t)a.n_across * (size_t)a.n_down;
-    a.square = vvi_alloc_zeroed(frame->job, n, VVI_MEM_SCRATCH);
+    a.square = vvi_alloc_zeroed(picture->job, n, VVI_MEM_SCRATCH);
     if (!a.square)
         return vv_fail_memory(n);
-    const vv_status st = run(frame, &a);
+    const vv_status st = run(picture, &a);
     vvi_free(a.square);
     return st;
 }

@@ -4,58 +4,58 @@
 #include "core/text.h"
 #include "gfx/gfx.h"
 #include "render/decorate/decorate.h"
-#include "render/frame.h"
+#include "render/picture.h"
 #include <string.h>
 
 /* Some 10 MB of text; what programs that show figures still open. */
 #define TRIANGLES_MOST 100000
 
-/* The light of the frame over the background, as a picture file would have it. */
-static void put_over(vv_image *under, const vvi_frame *frame)
+/* The light of the picture over the background, as a picture file would have it. */
+static void put_over(vv_image *under, const vvi_picture *picture)
 {
-    const float *back = frame->scene->background, *light = frame->image->rgba;
+    const float *back = picture->scene->background, *light = picture->image->rgba;
     const size_t n = (size_t)under->width * (size_t)under->height;
     for (size_t i = 0; i < 4 * n; i++)
         under->rgba[i] = light[i] + (1 - light[i | 3]) * back[i & 3];
 }
 
-static vv_status draw(const vvi_frame *frame, const vvi_gfx_target *target, vv_image *under)
+static vv_status draw(const vvi_picture *picture, const vvi_gfx_target *target, vv_image *under)
 {
-    const vv_renderer *renderer = frame->scene->renderer;
+    const vv_renderer *renderer = picture->scene->renderer;
     vvi_gfx *gfx;
-    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, target, frame->job);
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, target, picture->job);
     if (st != VV_OK)
         return st;
     if (renderer->figure)
-        st = renderer->figure(frame->state, gfx, under, frame->job);
+        st = renderer->figure(picture->state, gfx, under, picture->job);
     else
-        put_over(under, frame);
-    if (st == VV_OK && vvi_decorate_wanted(frame->scene))
-        st = vvi_decorate_figure(gfx, frame->image, frame->scene, frame->job);
+        put_over(under, picture);
+    if (st == VV_OK && vvi_decorate_wanted(picture->scene))
+        st = vvi_decorate_figure(gfx, picture->image, picture->scene, picture->job);
     if (st == VV_OK)
         return vvi_gfx_end(gfx);
     vvi_gfx_abandon(gfx);
     return st;
 }
 
-vv_status vvi_frame_figure(char **out, const vvi_frame *frame)
+vv_status vvi_picture_figure(char **out, const vvi_picture *picture)
 {
-    const vv_scene *scene = frame->scene;
+    const vv_scene *scene = picture->scene;
     const bool areas = scene->renderer->figure;
     vvi_text text = {0};
     vv_image view, *under;
     *out = NULL;
-    vv_status st = vv_image_new(&under, scene->width, scene->height, VV_LAYER_DEPTH, frame->job);
+    vv_status st = vv_image_new(&under, scene->width, scene->height, VV_LAYER_DEPTH, picture->job);
     if (st != VV_OK)
         return st;
-    if ((st = vvi_decorate_view(&view, frame->image, scene, frame->job)) == VV_OK) {
+    if ((st = vvi_decorate_view(&view, picture->image, scene, picture->job)) == VV_OK) {
         const vvi_gfx_target target = {.image = under,
                                        .hiding = &view,
                                        .triangles = areas ? TRIANGLES_MOST : 0,
                                        .paper = areas ? scene->world->background : (vv_color){0},
                                        .title = scene->view->title,
                                        .svg = &text};
-        st = draw(frame, &target, under);
+        st = draw(picture, &target, under);
         vvi_free(view.depth);
     }
     vv_image_release(under);

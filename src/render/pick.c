@@ -4,8 +4,8 @@
 #include "core/vec.h"
 #include "gfx/gfx.h"
 #include "grid/label_id.h"
-#include "render/frame.h"
-#include "render/sight.h"
+#include "render/picture.h"
+#include "render/pixel_value.h"
 #include <math.h>
 #include <string.h>
 #include <volvis/pick.h>
@@ -108,8 +108,8 @@ static vv_status draw_whole(picking *p)
 {
     vv_render_counts counts = {0};
     int64_t samples;
-    const unsigned layers =
-        VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0) | (p->scene->n_shapes ? VV_LAYER_ID : 0);
+    const unsigned layers = VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0) |
+                            (p->scene->n_mesh_actors ? VV_LAYER_ID : 0);
     const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, layers, p->job);
     return st == VV_OK ? p->scene->renderer->draw(p->state, p->whole, 1, &samples, &counts, p->job) : st;
 }
@@ -117,7 +117,7 @@ static vv_status draw_whole(picking *p)
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
 
 /* The value where a ray meets a triangle: by the areas between the place and the corners. */
-static double value_at(const vv_shape *shape, const vvi_gfx_picked *at)
+static double value_at(const vv_mesh_actor *shape, const vvi_gfx_picked *at)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
     const uint32_t *v = m->triangles + 3 * (size_t)at->primitive;
@@ -145,7 +145,7 @@ static void name_part(vv_picked *out, const vv_mesh_info *m)
             memcpy(out->part, m->parts[i].name, sizeof out->part);
 }
 
-static void take_hit(vv_picked *out, const vv_shape *shape, const vvi_gfx_picked *at, const vv_scene *scene)
+static void take_hit(vv_picked *out, const vv_mesh_actor *shape, const vvi_gfx_picked *at, const vv_scene *scene)
 {
     vv_affine to_mesh;
     out->volume = shape->look.id;
@@ -163,7 +163,7 @@ static void take_hit(vv_picked *out, const vv_shape *shape, const vvi_gfx_picked
 
 static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const picking *p, size_t i)
 {
-    const vv_shape *shape = &p->scene->shapes[i];
+    const vv_mesh_actor *shape = &p->scene->mesh_actors[i];
     *shown = *vv_mesh_get_info(shape->mesh);
     if (shape->colors)
         shown->colors = shape->colors;
@@ -208,15 +208,16 @@ static vv_status describe_shape(vv_picked *out, vvi_gfx *gfx, const picking *p)
     const float rgba[4] = {out->rgba[0], out->rgba[1], out->rgba[2], out->rgba[3]};
     *out = (vv_picked){.pixel = pixel, .hit = true, .id = at.id, .value = NAN};
     memcpy(out->rgba, rgba, sizeof rgba);
-    take_hit(out, &p->scene->shapes[at.id - p->scene->n_actors - 1], &at, p->scene);
+    take_hit(out, &p->scene->mesh_actors[at.id - p->scene->n_actors - 1], &at, p->scene);
     return VV_OK;
 }
 
 static vv_status describe_shapes(const picking *p, size_t n)
 {
-    const size_t n_shapes = p->whole ? p->scene->n_shapes : 0, bytes = (n_shapes + 1) * sizeof(vv_mesh_info);
+    const size_t n_mesh_actors = p->whole ? p->scene->n_mesh_actors : 0,
+                 bytes = (n_mesh_actors + 1) * sizeof(vv_mesh_info);
     vvi_gfx *gfx = NULL;
-    if (!n_shapes)
+    if (!n_mesh_actors)
         return VV_OK;
     vv_mesh_info *shown = vvi_alloc(p->job, bytes, VVI_MEM_SCRATCH);
     if (!shown)
@@ -224,7 +225,7 @@ static vv_status describe_shapes(const picking *p, size_t n)
     vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = p->whole}, p->job);
     if (st == VV_OK)
         vvi_gfx_camera(gfx, &p->scene->lens);
-    for (size_t i = 0; i < n_shapes && st == VV_OK; i++)
+    for (size_t i = 0; i < n_mesh_actors && st == VV_OK; i++)
         st = draw_shape(gfx, &shown[i], p, i);
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st = p->out[i].rgba[3] > 0 ? describe_shape(&p->out[i], gfx, p) : VV_OK;

@@ -1,7 +1,7 @@
 /* A picture from a coarse grid of rays, which grows finer until it has one ray a pixel: no ray is cast twice. */
 #include "core/job.h"
 #include "image/image_layer.h"
-#include "render/frame.h"
+#include "render/picture.h"
 #include <math.h>
 #include <string.h>
 
@@ -29,33 +29,33 @@ static void scatter(const grid *g, const vv_tile *tile, const vv_image *from)
 }
 
 /* Tiles of the grid; scratch: room for its rays. */
-static vv_status render_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status render_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                              vv_render_counts *counts)
 {
     const grid *g = user;
     const vv_tile here = {0, 0, tile->x1 - tile->x0, tile->y1 - tile->y0};
     const vv_pass pass =
-        vvi_frame_pass(frame, g->x + tile->x0 * g->stride + 0.5, g->y + tile->y0 * g->stride + 0.5, g->stride, 0);
-    const vv_status st = vvi_frame_render(frame, &pass, &here, scratch, counts);
+        vvi_picture_pass(picture, g->x + tile->x0 * g->stride + 0.5, g->y + tile->y0 * g->stride + 0.5, g->stride, 0);
+    const vv_status st = vvi_picture_render(picture, &pass, &here, scratch, counts);
     if (st == VV_OK)
         scatter(g, tile, scratch);
     return st;
 }
 
-vv_status vvi_preview_render(vvi_frame *frame, vv_image *canvas, const vv_tile *tile, vv_image *scratch,
+vv_status vvi_preview_render(vvi_picture *picture, vv_image *canvas, const vv_tile *tile, vv_image *scratch,
                              vv_render_counts *counts)
 {
-    return render_tile(frame, &(grid){canvas, 0, 0, 1}, tile, scratch, counts);
+    return render_tile(picture, &(grid){canvas, 0, 0, 1}, tile, scratch, counts);
 }
 
-static vv_status render_grid(vvi_frame *frame, grid *g)
+static vv_status render_grid(vvi_picture *picture, grid *g)
 {
     const vvi_tiles tiles = {.width = (g->canvas->width - 1 - g->x) / g->stride + 1,
                              .height = (g->canvas->height - 1 - g->y) / g->stride + 1,
                              .tile = render_tile,
                              .user = g,
                              .scratch = true};
-    return g->x < g->canvas->width && g->y < g->canvas->height ? vvi_frame_loop(frame, &tiles) : VV_OK;
+    return g->x < g->canvas->width && g->y < g->canvas->height ? vvi_picture_loop(picture, &tiles) : VV_OK;
 }
 
 /* Whole squares of VVI_COARSE for n pixels, and where the last one ends. */
@@ -64,20 +64,20 @@ static int32_t grown(int32_t n)
     return (n + VVI_COARSE - 1) / VVI_COARSE * VVI_COARSE + 1;
 }
 
-vv_status vvi_preview_begin(vv_image **canvas_out, vvi_frame *frame)
+vv_status vvi_preview_begin(vv_image **canvas_out, vvi_picture *picture)
 {
-    const int32_t width = grown(frame->scene->width), height = grown(frame->scene->height);
-    const vv_status st = vv_image_new(canvas_out, width, height, frame->scene->layers, frame->job);
+    const int32_t width = grown(picture->scene->width), height = grown(picture->scene->height);
+    const vv_status st = vv_image_new(canvas_out, width, height, picture->scene->layers, picture->job);
     if (st != VV_OK)
         return st;
-    return render_grid(frame, &(grid){*canvas_out, 0, 0, VVI_COARSE});
+    return render_grid(picture, &(grid){*canvas_out, 0, 0, VVI_COARSE});
 }
 
-vv_status vvi_preview_refine(vvi_frame *frame, vv_image *canvas, int32_t stride)
+vv_status vvi_preview_refine(vvi_picture *picture, vv_image *canvas, int32_t stride)
 {
     vv_status st = VV_OK;
     for (int i = 1; i < 4 && st == VV_OK; i++)
-        st = render_grid(frame, &(grid){canvas, i % 2 * stride / 2, i / 2 * stride / 2, stride});
+        st = render_grid(picture, &(grid){canvas, i % 2 * stride / 2, i / 2 * stride / 2, stride});
     return st;
 }
 
@@ -126,11 +126,11 @@ static void copy_tile(const vv_image *to, const vv_image *from, const vv_tile *t
     }
 }
 
-static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status show_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                            vv_render_counts *counts)
 {
     const showing *s = user;
-    const vv_image *image = frame->image;
+    const vv_image *image = picture->image;
     if (s->stride == 1) {
         copy_tile(image, s->canvas, tile);
         return VV_OK;
@@ -143,10 +143,10 @@ static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv
     return VV_OK;
 }
 
-vv_status vvi_preview_show(vvi_frame *frame, const vv_image *canvas, int32_t stride)
+vv_status vvi_preview_show(vvi_picture *picture, const vv_image *canvas, int32_t stride)
 {
     showing s = {canvas, stride};
     const vvi_tiles tiles = {
-        .width = frame->image->width, .height = frame->image->height, .tile = show_tile, .user = &s, .quiet = true};
-    return vvi_frame_loop(frame, &tiles);
+        .width = picture->image->width, .height = picture->image->height, .tile = show_tile, .user = &s, .quiet = true};
+    return vvi_picture_loop(picture, &tiles);
 }

@@ -1,10 +1,10 @@
-/* The frame driver: one view, one renderer, and in which order rays are cast. */
+/* The picture driver: one view, one renderer, and in which order rays are cast. */
 #include "core/cpu.h"
 #include "core/job.h"
 #include "gfx/gfx.h"
 #include "render/decorate/decorate.h"
-#include "render/frame.h"
-#include "render/sight.h"
+#include "render/picture.h"
+#include "render/pixel_value.h"
 #include "scene/resolve.h"
 #include <string.h>
 
@@ -22,45 +22,45 @@ const char *vv_render_end_name(vv_render_end end)
 
 /* The first pass --------------------------------------------------------------------------------------------------- */
 
-static vv_status render_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status render_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                              vv_render_counts *counts)
 {
-    const vv_pass pass = vvi_frame_pass(frame, 0.5, 0.5, 1, 0);
-    return vvi_frame_render(frame, &pass, tile, frame->image, counts);
+    const vv_pass pass = vvi_picture_pass(picture, 0.5, 0.5, 1, 0);
+    return vvi_picture_render(picture, &pass, tile, picture->image, counts);
 }
 
-static vv_status render_all(vvi_frame *frame)
+static vv_status render_all(vvi_picture *picture)
 {
-    return vvi_frame_loop(
-        frame, &(vvi_tiles){.width = frame->image->width, .height = frame->image->height, .tile = render_tile});
+    return vvi_picture_loop(
+        picture, &(vvi_tiles){.width = picture->image->width, .height = picture->image->height, .tile = render_tile});
 }
 
-static vv_status show_coarse(vvi_frame *frame, const vv_image *canvas, int32_t stride, int level)
+static vv_status show_coarse(vvi_picture *picture, const vv_image *canvas, int32_t stride, int level)
 {
     vv_status st = VV_OK;
-    if (!frame->options->on_refined)
+    if (!picture->options->on_refined)
         return VV_OK;
-    if ((st = vvi_preview_show(frame, canvas, stride)) == VV_OK && (st = vvi_frame_show(frame, NULL)) == VV_OK)
-        vvi_frame_tell(frame, level, false);
+    if ((st = vvi_preview_show(picture, canvas, stride)) == VV_OK && (st = vvi_picture_show(picture, NULL)) == VV_OK)
+        vvi_picture_tell(picture, level, false);
     return st;
 }
 
 /* From coarse to fine, for who waits; and with squares filled in where that does. */
-static vv_status render_refined(vvi_frame *frame)
+static vv_status render_refined(vvi_picture *picture)
 {
     vv_image *canvas = NULL;
-    vv_status st = vvi_preview_begin(&canvas, frame);
+    vv_status st = vvi_preview_begin(&canvas, picture);
     if (st == VV_OK)
-        st = show_coarse(frame, canvas, VVI_COARSE, 0);
-    if (st == VV_OK && frame->scene->adaptive)
-        st = vvi_adaptive_finish(frame, canvas);
-    for (int32_t stride = VVI_COARSE; st == VV_OK && !frame->scene->adaptive && stride > 1; stride /= 2) {
-        st = vvi_preview_refine(frame, canvas, stride);
+        st = show_coarse(picture, canvas, VVI_COARSE, 0);
+    if (st == VV_OK && picture->scene->adaptive)
+        st = vvi_adaptive_finish(picture, canvas);
+    for (int32_t stride = VVI_COARSE; st == VV_OK && !picture->scene->adaptive && stride > 1; stride /= 2) {
+        st = vvi_preview_refine(picture, canvas, stride);
         if (st == VV_OK && stride > 2)
-            st = show_coarse(frame, canvas, stride / 2, 1);
+            st = show_coarse(picture, canvas, stride / 2, 1);
     }
     if (st == VV_OK)
-        st = vvi_preview_show(frame, canvas, 1);
+        st = vvi_preview_show(picture, canvas, 1);
     vv_image_release(canvas);
     return st;
 }
@@ -68,57 +68,57 @@ static vv_status render_refined(vvi_frame *frame)
 /* All passes ------------------------------------------------------------------------------------------------------ */
 
 /* By a renderer that makes a picture at once. */
-static vv_status draw_all(vvi_frame *frame)
+static vv_status draw_all(vvi_picture *picture)
 {
-    const vv_image *image = frame->image;
+    const vv_image *image = picture->image;
     const size_t n = (size_t)image->width * (size_t)image->height;
     int64_t samples = 1;
-    vv_status st = frame->scene->renderer->draw(frame->state, frame->image, frame->scene->samples, &samples,
-                                                &frame->counts, frame->job);
+    vv_status st = picture->scene->renderer->draw(picture->state, picture->image, picture->scene->samples, &samples,
+                                                  &picture->counts, picture->job);
     for (size_t i = 0; image->samples && i < n; i++)
         image->samples[i] = (uint32_t)samples;
-    frame->passes = samples;
-    frame->ended_by = VV_END_SAMPLES;
+    picture->passes = samples;
+    picture->ended_by = VV_END_SAMPLES;
     if (st == VV_OK)
-        st = vvi_frame_show(frame, NULL);
+        st = vvi_picture_show(picture, NULL);
     return st;
 }
 
-static vv_status cast_all(vvi_frame *frame, double start_s)
+static vv_status cast_all(vvi_picture *picture, double start_s)
 {
-    const vv_scene *scene = frame->scene;
-    const bool looked_at = frame->options->on_refined && !scene->renderer->plane;
-    vv_status st = looked_at || scene->adaptive ? render_refined(frame) : render_all(frame);
-    frame->passes = 1;
-    frame->ended_by = VV_END_SAMPLES;
+    const vv_scene *scene = picture->scene;
+    const bool looked_at = picture->options->on_refined && !scene->renderer->plane;
+    vv_status st = looked_at || scene->adaptive ? render_refined(picture) : render_all(picture);
+    picture->passes = 1;
+    picture->ended_by = VV_END_SAMPLES;
     if (st == VV_OK)
-        st = scene->samples > 1 ? vvi_samples_add(frame, start_s) : vvi_frame_show(frame, NULL);
+        st = scene->samples > 1 ? vvi_samples_add(picture, start_s) : vvi_picture_show(picture, NULL);
     return st;
 }
 
-static vv_status render_passes(vvi_frame *frame, double start_s)
+static vv_status render_passes(vvi_picture *picture, double start_s)
 {
-    vv_status st = frame->scene->renderer->draw ? draw_all(frame) : cast_all(frame, start_s);
+    vv_status st = picture->scene->renderer->draw ? draw_all(picture) : cast_all(picture, start_s);
     if (st == VV_OK)
-        st = vvi_layers_fill(frame->image, frame->scene, frame->job);
+        st = vvi_layers_fill(picture->image, picture->scene, picture->job);
     if (st == VV_OK)
-        vvi_frame_tell(frame, 2, true);
+        vvi_picture_tell(picture, 2, true);
     return st;
 }
 
 /* A picture of nothing is rarely what was meant, and says nothing of why. */
-static void warn_of_nothing(const vvi_frame *frame)
+static void warn_of_nothing(const vvi_picture *picture)
 {
-    if (frame->counts.covered)
+    if (picture->counts.covered)
         return;
-    vvi_log(frame->job, VV_LOG_WARNING, "render", "%s",
-            frame->scene->n_actors + frame->scene->n_shapes
+    vvi_log(picture->job, VV_LOG_WARNING, "render", "%s",
+            picture->scene->n_actors + picture->scene->n_mesh_actors
                 ? "nothing is seen: every value is transparent, cut away or outside the view; check the transfer "
                   "function or iso value, the cuts and the camera"
                 : "nothing is seen: no volume is visible");
 }
 
-static bool is_translucent(const vv_shape *shape)
+static bool is_translucent(const vv_mesh_actor *shape)
 {
     vv_mesh_info shown = *vv_mesh_get_info(shape->mesh);
     if (shape->parts)
@@ -130,21 +130,21 @@ static bool is_translucent(const vv_shape *shape)
 }
 
 /* They are blended over what the layers tell of, which is the first opaque thing. Said once, of the first of them. */
-static void warn_of_layers(const vvi_frame *frame)
+static void warn_of_layers(const vvi_picture *picture)
 {
-    const vv_scene *scene = frame->scene;
+    const vv_scene *scene = picture->scene;
     const vv_render_choice *choice = (const vv_render_choice *)(const void *)scene->view->render;
     const vv_layer_choice *layers = (const vv_layer_choice *)(const void *)choice->layers;
     size_t i = 0;
     if (!(layers->depth || layers->normal || layers->id || layers->value))
         return;
-    while (i < scene->n_shapes && !is_translucent(&scene->shapes[i]))
+    while (i < scene->n_mesh_actors && !is_translucent(&scene->mesh_actors[i]))
         i++;
-    if (i < scene->n_shapes)
-        vvi_log(frame->job, VV_LOG_WARNING, "render",
+    if (i < scene->n_mesh_actors)
+        vvi_log(picture->job, VV_LOG_WARNING, "render",
                 "volumes.%s: is a translucent mesh: the layers hold what is seen behind such meshes; 'volvis pick' "
                 "reports them too, and a colour without transparency puts them into the layers",
-                scene->shapes[i].look.id);
+                scene->mesh_actors[i].look.id);
 }
 
 /* Samples that went while they were drawn were drawn as 0. */
@@ -162,13 +162,13 @@ vv_status vvi_scene_health(const vv_scene *scene)
     return st;
 }
 
-static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
+static void fill_report(vv_render_report *report, const vvi_picture *picture, double start_s)
 {
     report->render_s = vvi_render_clock() - start_s;
-    report->rays = frame->counts.rays;
-    report->samples = frame->counts.samples;
-    report->passes = frame->passes;
-    report->ended_by = frame->ended_by;
+    report->rays = picture->counts.rays;
+    report->samples = picture->counts.samples;
+    report->passes = picture->passes;
+    report->ended_by = picture->ended_by;
 }
 
 vv_status vvi_accepts(const vv_scene *scene)
@@ -176,9 +176,9 @@ vv_status vvi_accepts(const vv_scene *scene)
     const vv_renderer *renderer = scene->renderer;
     if (!renderer->render && !renderer->draw)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
-    if (scene->n_shapes && !renderer->shapes)
+    if (scene->n_mesh_actors && !renderer->mesh_actors)
         return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; use method=surface",
-                       scene->shapes[0].look.id, renderer->name);
+                       scene->mesh_actors[0].look.id, renderer->name);
     return renderer->accepts ? renderer->accepts(scene) : VV_OK;
 }
 
@@ -186,36 +186,36 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
                               const vv_render_options *options, vv_job *job)
 {
     const vv_renderer *renderer = scene->renderer;
-    vvi_frame frame = {.scene = scene, .options = options, .job = job, .bare = options->figure_out};
+    vvi_picture picture = {.scene = scene, .options = options, .job = job, .bare = options->figure_out};
     const uint64_t n_tiles =
         ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     vv_status st = VV_OK;
     const double start = vvi_render_clock();
     if ((st = vvi_accepts(scene)) != VV_OK || (st = vvi_decorate_check(scene)) != VV_OK)
         return st;
-    if ((st = vv_image_new(&frame.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
+    if ((st = vv_image_new(&picture.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
         return st;
-    if (renderer->prepare && (st = renderer->prepare(&frame.state, scene, job)) != VV_OK)
+    if (renderer->prepare && (st = renderer->prepare(&picture.state, scene, job)) != VV_OK)
         goto fail;
-    frame.n_ahead = n_tiles * (uint64_t)scene->samples; /* at most: noise and time may end it before */
+    picture.n_ahead = n_tiles * (uint64_t)scene->samples; /* at most: noise and time may end it before */
     const double prepared = vvi_render_clock();
     report->prepare_s += prepared - start;
-    st = render_passes(&frame, prepared);
+    st = render_passes(&picture, prepared);
     if (st == VV_OK)
         st = vvi_scene_health(scene);
-    fill_report(report, &frame, prepared);
+    fill_report(report, &picture, prepared);
     if (st == VV_OK && options->figure_out)
-        st = vvi_frame_figure(options->figure_out, &frame);
+        st = vvi_picture_figure(options->figure_out, &picture);
     if (renderer->finish)
-        renderer->finish(frame.state);
+        renderer->finish(picture.state);
     if (st != VV_OK)
         goto fail;
-    warn_of_nothing(&frame);
-    warn_of_layers(&frame);
-    *out = frame.image;
+    warn_of_nothing(&picture);
+    warn_of_layers(&picture);
+    *out = picture.image;
     return VV_OK;
 fail:
-    vv_image_release(frame.image);
+    vv_image_release(picture.image);
     return st;
 }
 

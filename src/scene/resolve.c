@@ -3,8 +3,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "scene/lights.h"
-#include "scene/visible.h"
-#include "scene/visible_shape.h"
+#include "scene/visible_mesh.h"
+#include "scene/visible_volume.h"
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -121,10 +121,10 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;
-    const size_t bytes = volumes->n * sizeof *r->scene.actors, shape_bytes = volumes->n * sizeof *r->scene.shapes;
+    const size_t bytes = volumes->n * sizeof *r->scene.actors, shape_bytes = volumes->n * sizeof *r->scene.mesh_actors;
     r->scene.actors = vvi_alloc_zeroed(job, bytes, VVI_MEM_MODEL);
-    r->scene.shapes = vvi_alloc_zeroed(job, shape_bytes, VVI_MEM_MODEL);
-    if (!r->scene.actors || !r->scene.shapes)
+    r->scene.mesh_actors = vvi_alloc_zeroed(job, shape_bytes, VVI_MEM_MODEL);
+    if (!r->scene.actors || !r->scene.mesh_actors)
         return vv_fail_memory(bytes + shape_bytes);
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
         const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
@@ -132,7 +132,8 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
         if (!volume->visible)
             continue;
         if (shows_mesh(r->scene.world, volume, job))
-            st = vvi_resolve_shape(&r->scene.shapes[r->scene.n_shapes++], &r->load_s, r->scene.world, id, volume, job);
+            st = vvi_resolve_mesh_actor(&r->scene.mesh_actors[r->scene.n_mesh_actors++], &r->load_s, r->scene.world, id,
+                                        volume, job);
         else
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
                                    projects, amounts, job);
@@ -140,26 +141,26 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     if (st == VV_OK && !amounts && !renderer->plane)
         vvi_veil_amounts(&r->scene, job);
     if (st == VV_OK)
-        st = vvi_tell_shapes_apart(&r->scene, job);
+        st = vvi_tell_mesh_actors_apart(&r->scene, job);
     for (size_t i = 0; i < r->scene.n_actors && st == VV_OK; i++)
         vvi_resolve_slices(&r->scene, i);
-    if (r->scene.n_shapes && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
+    if (r->scene.n_mesh_actors && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
         r->scene.layers |= VV_LAYER_ID; /* tells which pixels are of samples */
     return st;
 }
 
 vv_space vvi_scene_space(const vv_scene *scene)
 {
-    return scene->n_actors   ? vv_field_get_info(scene->actors[0].field)->grid.space
-           : scene->n_shapes ? vv_mesh_get_info(scene->shapes[0].mesh)->space
-                             : VV_SPACE_PLAIN;
+    return scene->n_actors        ? vv_field_get_info(scene->actors[0].field)->grid.space
+           : scene->n_mesh_actors ? vv_mesh_get_info(scene->mesh_actors[0].mesh)->space
+                                  : VV_SPACE_PLAIN;
 }
 
 vv_up vvi_scene_up(const vv_scene *scene)
 {
     if (vv_object_is_set(&scene->world->base, "up"))
         return (vv_up)scene->world->up;
-    return !scene->n_actors && scene->n_shapes ? vv_mesh_get_info(scene->shapes[0].mesh)->up : VV_UP_Z;
+    return !scene->n_actors && scene->n_mesh_actors ? vv_mesh_get_info(scene->mesh_actors[0].mesh)->up : VV_UP_Z;
 }
 
 /* The World's; else a sample, so that slices show samples and no means of two. */
@@ -184,11 +185,11 @@ static bool fits_visible(const vv_camera *camera)
 
 enum { BOX = 8 };
 
-static vv_status gather_shape(vv_vec3 *out, size_t *n_out, const vv_shape *shape, bool visible, vv_job *job)
+static vv_status gather_shape(vv_vec3 *out, size_t *n_out, const vv_mesh_actor *shape, bool visible, vv_job *job)
 {
     if (!visible)
         vvi_shape_corners(out + *n_out, shape);
-    const vv_status st = visible ? vvi_shape_points(out + *n_out, shape, job) : VV_OK;
+    const vv_status st = visible ? vvi_visible_mesh_points(out + *n_out, shape, job) : VV_OK;
     *n_out += visible ? VVI_SHAPE_POINTS : BOX;
     return st;
 }
@@ -200,8 +201,8 @@ static void gather_boxes(vv_vec3 *out, size_t *n_out, const vv_scene *scene)
     const size_t begin = *n_out;
     if (!wanted->box && !wanted->cut_planes && !wanted->axes)
         return;
-    for (size_t i = 0; i < scene->n_shapes; i++, *n_out += BOX)
-        vvi_shape_corners(out + *n_out, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->n_mesh_actors; i++, *n_out += BOX)
+        vvi_shape_corners(out + *n_out, &scene->mesh_actors[i]);
     for (size_t i = 0; i < scene->n_actors; i++, *n_out += BOX)
         vvi_actor_corners(out + *n_out, &scene->actors[i]);
     vv_vec3 lo, hi;
@@ -217,8 +218,8 @@ static vv_status gather(vv_vec3 *out, size_t *n_out, const vvi_resolved *r, bool
     const vv_scene *scene = &r->scene;
     vv_status st = VV_OK;
     *n_out = 0;
-    for (size_t i = 0; i < scene->n_shapes && st == VV_OK; i++)
-        st = gather_shape(out, n_out, &scene->shapes[i], visible, job);
+    for (size_t i = 0; i < scene->n_mesh_actors && st == VV_OK; i++)
+        st = gather_shape(out, n_out, &scene->mesh_actors[i], visible, job);
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
         const vv_actor *actor = &scene->actors[i];
         if (!visible) {
@@ -245,7 +246,7 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
     vv_scene *scene = &r->scene;
     const vv_camera *camera = (const vv_camera *)scene->view->camera;
     const size_t most =
-        ((VVI_VISIBLE_POINTS + BOX) * scene->n_actors + (VVI_SHAPE_POINTS + BOX) * scene->n_shapes + BOX) *
+        ((VVI_VISIBLE_POINTS + BOX) * scene->n_actors + (VVI_SHAPE_POINTS + BOX) * scene->n_mesh_actors + BOX) *
         sizeof(vv_vec3);
     vvi_fit fit = {.space = vvi_scene_space(scene), .up = vvi_scene_up(scene)};
     vv_vec3 right, up;
@@ -319,9 +320,9 @@ void vv_scene_release(vv_scene *scene)
     for (size_t i = 0; i < scene->n_actors; i++)
         vvi_actor_finish(&scene->actors[i]);
     vvi_free(scene->actors);
-    for (size_t i = 0; i < scene->n_shapes; i++)
-        vvi_shape_finish(&scene->shapes[i]);
-    vvi_free(scene->shapes);
+    for (size_t i = 0; i < scene->n_mesh_actors; i++)
+        vvi_shape_finish(&scene->mesh_actors[i]);
+    vvi_free(scene->mesh_actors);
     vvi_free(scene->lamps);
     vv_object_release(&scene->world->base);
     vvi_free(scene);

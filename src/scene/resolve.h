@@ -44,11 +44,11 @@ vv_status vvi_resolve_missing(vv_actor *actor, const vv_volume *volume, const ch
 void vvi_veil_amounts(vv_scene *scene, vv_job *job);
 
 /** Mesh, normals, place, planes, shading, colours. What was made is in the shape, on failure too. */
-vv_status vvi_resolve_shape(vv_shape *shape, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_job *job);
+vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_world *world, const char *id,
+                                 const vv_volume *volume, vv_job *job);
 /** Where meshes and parts of meshes that nobody gave a colour are more than one, each gets its own: those of labels. */
-vv_status vvi_tell_shapes_apart(vv_scene *scene, vv_job *job);
-void vvi_shape_finish(vv_shape *shape);
+vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job);
+void vvi_shape_finish(vv_mesh_actor *shape);
 
 /** Of a scene that has its view and renderer: its layers, how many rays per pixel gets, and when that is enough. */
 void vvi_resolve_sampling(vv_scene *scene);
@@ -75,7 +75,7 @@ double vvi_actor_voxel(const vv_actor *actor);
 void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
 
 /** The same of a mesh's box. */
-void vvi_shape_corners(vv_vec3 out[8], const vv_shape *shape);
+void vvi_shape_corners(vv_vec3 out[8], const vv_mesh_actor *shape);
 /** Of what is seen: of the first volume, else of the first mesh. */
 vv_space vvi_scene_space(const vv_scene *scene);
 /** The World's; left open, of the first mesh where no volume is seen. */

@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "model/frame.h"
+#include "model/placement.h"
 #include "scene/colors.h"
 #include "scene/resolve.h"
 #include <math.h>
@@ -112,7 +112,7 @@ vv_status vvi_place_data(vv_affine *out, vv_affine *data_to_world, vv_affine own
                          const vv_world *world, const vv_volume *volume, const char *path)
 {
     vv_affine inverse;
-    *data_to_world = vvi_frame_matrix((const vv_frame *)volume->place);
+    *data_to_world = vvi_placement_matrix((const vv_placement *)volume->place);
     const vv_affine m = *out = placed(own, unit, data_to_world, world);
     if (!vv_affine_invert(&inverse, *data_to_world) || !vvi_finite(inverse.axis[0]) || !vvi_finite(inverse.axis[1]) ||
         !vvi_finite(inverse.axis[2]))

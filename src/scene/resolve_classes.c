@@ -3,11 +3,11 @@
 #include "core/memory.h"
 #include "grid/label_sense.h"
 #include "scene/colormaps.h"
-#include "scene/exposure.h"
 #include "scene/gradient_scale.h"
 #include "scene/presets.h"
 #include "scene/resolve.h"
 #include "scene/two_sided.h"
+#include "scene/xray_exposure.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

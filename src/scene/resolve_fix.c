@@ -177,7 +177,7 @@ vv_status vv_scene_fix(vv_world **out, const vv_scene *scene)
     for (size_t i = 0; i < scene->n_actors; i++)
         fix_actor(&w, &scene->actors[i], i == 0, scene->world);
     w.prefix[0] = 0;
-    if (scene->n_actors + scene->n_shapes)
+    if (scene->n_actors + scene->n_mesh_actors)
         put_vec(&w, "cross_hair", scene->cross_hair);
     if (vvi_scene_up(scene) != VV_UP_Z)
         put_word(&w, "up", "y");

@@ -1,5 +1,5 @@
 /* The texture of a volume: its image, its colours, and where it stands. */
-#include "model/frame.h"
+#include "model/placement.h"
 #include "scene/resolve.h"
 #include <math.h>
 #include <stdio.h>
@@ -68,7 +68,7 @@ static vv_status place_texture(vvi_cast *cast, const vv_volume_texture *t, const
     out->frequency = vv_object_is_set(&t->base, "frequency") ? t->frequency : by_kind[out->kind].along / side;
     m.origin = vvi_scaled(middle, -1);
     m = vv_affine_compose(m, world_to_data);
-    if (!vv_affine_invert(&to_texture, vvi_frame_matrix((const vv_frame *)t->place)))
+    if (!vv_affine_invert(&to_texture, vvi_placement_matrix((const vv_placement *)t->place)))
         return fail_texture(cast, "place", VV_E_ARGUMENT, "flattens the texture: its matrix has no inverse");
     m = vv_affine_compose(to_texture, m);
     for (int i = 0; i < 3; i++)

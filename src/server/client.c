@@ -85,7 +85,7 @@ void vvi_client_leave(vvi_client *client)
         s->slots[client->slot] = false;
         vvi_painter_forget(s->painter, client->slot);
     }
-    vvi_lines_clear(&client->lines);
+    vvi_text_queue_clear(&client->lines);
     vvi_painted_free(&client->sent);
     vvi_painted_free(&client->waiting);
     vvi_input_free(client->input);

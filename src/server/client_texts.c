@@ -13,7 +13,7 @@
 
 void vvi_client_tell(vvi_client *client, vvi_line_kind kind, char *text)
 {
-    if (!vvi_lines_put(&client->lines, kind, text))
+    if (!vvi_text_queue_put(&client->lines, kind, text))
         client->overrun = true;
 }
 
@@ -299,8 +299,8 @@ static bool has_news(const vvi_client *client, int64_t now)
 
 bool vvi_client_has_more(const vvi_client *client, int64_t now)
 {
-    return client->tells_outdated || vvi_lines_any(&client->lines, is_behind(client, now)) || has_news(client, now) ||
-           (client->box.waiting && !client->box.under_way);
+    return client->tells_outdated || vvi_text_queue_any(&client->lines, is_behind(client, now)) ||
+           has_news(client, now) || (client->box.waiting && !client->box.under_way);
 }
 
 static bool send_text(vvi_outgoing *out, vvi_client *client, int64_t now)
@@ -310,7 +310,7 @@ static bool send_text(vvi_outgoing *out, vvi_client *client, int64_t now)
         out->n = strlen(out->text);
         return true;
     }
-    out->text = vvi_lines_take(&out->n, &client->lines, is_behind(client, now));
+    out->text = vvi_text_queue_take(&out->n, &client->lines, is_behind(client, now));
     if (!out->text && has_news(client, now) && (out->text = next_text(client, now)) != NULL)
         out->n = strlen(out->text);
     return out->text != NULL;

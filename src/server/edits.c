@@ -1,6 +1,6 @@
 /* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
+#include "core/allowed_places.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "core/property_size.h"
 #include "core/units.h"
 #include "model/classes.h"

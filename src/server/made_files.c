@@ -1,8 +1,8 @@
 /* Files that are made for pages to fetch: pictures and shapes. */
 #include "core/memory.h"
 #include "server/memory_file.h"
+#include "server/page_shape.h"
 #include "server/session_impl.h"
-#include "server/shape.h"
 
 #include <fcntl.h>
 #include <stdlib.h>

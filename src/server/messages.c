@@ -1,7 +1,7 @@
 /* What a page says: each type is a row. */
 #include "core/memory.h"
+#include "server/demos.h"
 #include "server/message_input.h"
-#include "server/samples.h"
 #include "server/tables.h"
 
 #include <inttypes.h>
@@ -41,9 +41,9 @@ static bool take_size(vvi_client *client, const json_t *message)
 
 static void tell_samples(vvi_result *out)
 {
-    const vvi_sample *sample;
+    const vvi_demo *sample;
     vvi_result_open(out, "samples", '[');
-    for (size_t i = 0; (sample = vvi_sample_nth(i)) != NULL; i++) {
+    for (size_t i = 0; (sample = vvi_demo_nth(i)) != NULL; i++) {
         vvi_result_open(out, NULL, '{');
         vvi_result_string(out, "name", sample->name);
         vvi_result_string(out, "doc", sample->doc);

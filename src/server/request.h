@@ -3,8 +3,8 @@
  */
 #ifndef VVI_SERVER_REQUEST_H
 #define VVI_SERVER_REQUEST_H
+#include "server/page_shape.h"
 #include "server/session_impl.h"
-#include "server/shape.h"
 #include <volvis/pick.h>
 #include <volvis/sys/registry.h>
 

@@ -6,8 +6,8 @@
 #include "model/context.h"
 #include "model/merge.h"
 #include "render/recipe.h"
+#include "server/demos.h"
 #include "server/request.h"
-#include "server/samples.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -166,7 +166,7 @@ static vv_status run_sample(vvi_task *task, vv_job *job)
     vv_field *field = NULL;
     vv_world *made = NULL;
     const bool is_there = access(r->path, R_OK) == 0; /* and like any other: a scene may show it */
-    vv_status st = is_there ? VV_OK : vvi_sample_make(&field, vvi_sample_find(r->name), SAMPLE_SIDE, job);
+    vv_status st = is_there ? VV_OK : vvi_demo_make(&field, vvi_demo_find(r->name), SAMPLE_SIDE, job);
     if (st == VV_OK && !is_there)
         st = vv_field_write(r->path, (const vv_field *const *)&field, 1, NULL, job);
     vv_field_release(field);
@@ -183,7 +183,7 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
 {
     const char *name = json_string_value(json_object_get(message, "name"));
     vvi_request *r;
-    if (!vvi_sample_find(name))
+    if (!vvi_demo_find(name))
         return vv_fail(VV_E_NOT_FOUND, "there is no sample '%.40s'", name ? name : "");
     if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so has no samples");

@@ -3,8 +3,8 @@
 #include "core/memory.h"
 #include "io/file_stream.h"
 #include "measuring/answer.h"
+#include "measuring/world_data.h"
 #include "model/classes.h"
-#include "run/measured.h"
 #include "server/request.h"
 
 #include <stdlib.h>

@@ -65,8 +65,8 @@ static vv_status run_describe(vvi_task *task, vv_job *job)
     vvi_text_printf(&text, "%s.", scene->renderer->name);
     for (size_t i = 0; i < scene->n_actors; i++)
         describe_actor(&text, &scene->actors[i], unit);
-    for (size_t i = 0; i < scene->n_shapes; i++)
-        vvi_text_printf(&text, " Mesh %s.", scene->shapes[i].look.id);
+    for (size_t i = 0; i < scene->n_mesh_actors; i++)
+        vvi_text_printf(&text, " Mesh %s.", scene->mesh_actors[i].look.id);
     describe_camera(&text, scene, unit);
     vv_scene_release(scene);
     vvi_request_tell_text(r, &text);

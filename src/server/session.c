@@ -1,5 +1,5 @@
+#include "core/allowed_places.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "input/bindings.h"
 #include "server/request.h"
 

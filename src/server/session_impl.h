@@ -8,13 +8,13 @@
 #include "input/input.h"
 #include "server/audit.h"
 #include "server/journal.h"
-#include "server/lines.h"
 #include "server/pace.h"
 #include "server/painter.h"
 #include "server/poses.h"
 #include "server/recording.h"
 #include "server/session.h"
 #include "server/tasks.h"
+#include "server/text_queue.h"
 #include <jansson.h>
 #include <stdatomic.h>
 
@@ -81,7 +81,7 @@ struct vvi_client {
     int64_t last_ack;
     double latency;
 
-    vvi_lines lines;
+    vvi_text_queue lines;
     bool overrun; /* more waited than may */
     bool tells_world, tells_cameras, tells_pose, tells_status;
     int64_t world_told; /* when it was told last */
@@ -276,7 +276,8 @@ vv_status vvi_session_check_size(const vv_world *world);
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
-/* keep.c --------------------------------------------------------------------------------------------------------- */
+/* kept_edits.c
+ * --------------------------------------------------------------------------------------------------------- */
 
 /** Before each change, outside of a commit: where the journal has grown long or lacks something, the World as it is
  * takes the place of its lines. A failure: the change is not to be made, but for those of cameras. */
@@ -348,7 +349,8 @@ char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
 bool vvi_files_is_scene(const char *path);
 
-/* room.c --------------------------------------------------------------------------------------------------------- */
+/* disk_room.c ---------------------------------------------------------------------------------------------------------
+ */
 
 /** What earlier sessions have left is not counted. */
 void vvi_session_begin_room(vvi_session *session);

@@ -68,7 +68,7 @@ static inline void vvi_cell_gradient(float g[3], const float v[8], const float p
 
 /** Writes an interior vertex of the cell at (x, y, z) as number `vertex` of the frame's arrays. False: there is no
  * gradient, the normal is 0. */
-static inline bool vvi_cell_put_interior(const vvi_march_frame *f, size_t vertex, const float v[8], unsigned around,
+static inline bool vvi_cell_put_interior(const vvi_march_setup *f, size_t vertex, const float v[8], unsigned around,
                                          const float cell[3])
 {
     float p[3], g[3], n[3], square = 0;

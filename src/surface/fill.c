@@ -1,7 +1,7 @@
 #include "surface/fill.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "surface/untangle.h"
+#include "surface/touching_loops.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -16,8 +16,8 @@ typedef struct vvi_loops {
 /**
  * What lies to the left of all loops: counter-clockwise ones are outlines, clockwise ones holes in the smallest outline
  * around them. No point is added and every side of a loop has one triangle, whatever the loops look like: so a surface
- * whose gaps are filled by it is closed. Where loops touch, some triangles have no area (surface/untangle.h); where
- * they cross, some are turned.
+ * whose gaps are filled by it is closed. Where loops touch, some triangles have no area (surface/touching_loops.h);
+ * where they cross, some are turned.
  *
  * Source   holes are joined to their outline by a bridge (Eberly), then ears are cut off (Meisters 1975), with those
  *          corners that could lie in them in a grid

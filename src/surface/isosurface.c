@@ -10,7 +10,7 @@
 #include "grid/mesh.h"
 #include "registry.h"
 #include "surface/clip.h"
-#include "surface/join.h"
+#include "surface/joined_mesh.h"
 #include "surface/labels.h"
 #include "surface/pieces.h"
 #include "surface/tracking.h"

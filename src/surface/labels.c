@@ -1,7 +1,7 @@
 #include "surface/labels.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "surface/join.h"
+#include "surface/joined_mesh.h"
 #include "surface/label_borders.h"
 #include "surface/marching.h"
 

@@ -169,7 +169,7 @@ VV_INLINE void queue_shared(vvi_march_queue *q, const vvi_march_run *r, int n)
 }
 
 #define QUEUE(t, type, number, empty)                                                                                  \
-    static void queue_##t(vvi_march_queue *q, const vvi_march_run *r, const vvi_march_frame *f)                        \
+    static void queue_##t(vvi_march_queue *q, const vvi_march_run *r, const vvi_march_setup *f)                        \
     {                                                                                                                  \
         const int32_t along = r->axis == 0;                                                                            \
         for (int32_t w = r->span.begin; w < r->span.end; w++) {                                                        \
@@ -235,7 +235,7 @@ VV_INLINE void store3(float *out, const vf v[3], int lanes)
     store3_lanes(out, v, lanes);
 }
 
-VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_march_frame *f, int at, int lanes, vf t)
+VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_march_setup *f, int at, int lanes, vf t)
 {
     const vi axis = vi_load(q->axis + at);
     vf p[3], world[3];
@@ -249,7 +249,7 @@ VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_m
 }
 
 /* Zero where there is no gradient. Bit l: lane l is such. */
-VV_INLINE uint32_t store_normals(float *out, const vvi_march_frame *f, int lanes, const vf g[3])
+VV_INLINE uint32_t store_normals(float *out, const vvi_march_setup *f, int lanes, const vf g[3])
 {
     vf n[3];
     for (int a = 0; a < 3; a++) {
@@ -266,7 +266,7 @@ VV_INLINE uint32_t store_normals(float *out, const vvi_march_frame *f, int lanes
 }
 
 #define EMPTY(name, LOAD)                                                                                              \
-    static void name(vvi_march_queue *q, const vvi_march_frame *f)                                                     \
+    static void name(vvi_march_queue *q, const vvi_march_setup *f)                                                     \
     {                                                                                                                  \
         const vf iso = vf_set1(f->iso);                                                                                \
         for (int at = 0; at < q->n; at += VV_WIDTH) {                                                                  \

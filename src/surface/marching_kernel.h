@@ -23,12 +23,12 @@ typedef struct vvi_march_span {
 } vvi_march_span;
 
 /** What all vertices share. */
-typedef struct vvi_march_frame {
+typedef struct vvi_march_setup {
     float iso;                /**< stored */
     float to_world[3][4];     /**< rows of the affine map of index coordinates */
     float to_normal[3][3];    /**< rows of the linear map from gradients along the axes to normals */
     float *position, *normal; /**< 3 numbers a vertex; normal may be NULL */
-} vvi_march_frame;
+} vvi_march_setup;
 
 /** Crossed edges of one row and one direction, and what their vertices are made of. */
 typedef struct vvi_march_run {
@@ -59,7 +59,7 @@ typedef struct vvi_march_queue {
 
 /** One row of cells. Its four rows of samples are those at (y, z), (y+1, z), (y, z+1), (y+1, z+1). */
 typedef struct vvi_march_cells {
-    const vvi_march_frame *frame;
+    const vvi_march_setup *frame;
     const uint64_t *inside[4], *active; /**< bit x; a word more than needed may be read */
     vvi_march_span span;
     float y, z;
@@ -96,9 +96,9 @@ typedef struct vvi_march_kernels {
     void (*count)(uint32_t out[3], const uint64_t *row, const uint64_t *beyond_y, const uint64_t *beyond_z, int64_t n,
                   vvi_march_span span);
     /** Appends the vertices of a run; full queues are emptied into the mesh. */
-    void (*queue[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_run *run, const vvi_march_frame *frame);
+    void (*queue[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_run *run, const vvi_march_setup *frame);
     /** Empties a queue; the next vertices follow those that were in it. */
-    void (*empty[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_frame *frame);
+    void (*empty[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_setup *frame);
     /** Counts what cells() would write. */
     void (*count_cells[VVI_MARCH_TYPES])(vvi_march_cells *cells);
     void (*cells[VVI_MARCH_TYPES])(vvi_march_cells *cells);

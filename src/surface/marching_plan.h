@@ -40,7 +40,7 @@ typedef struct vvi_march {
     bool decided;
     bool some;           /* there may be a surface */
     atomic_bool missing; /* a vertex has no normal */
-    vvi_march_frame frame;
+    vvi_march_setup frame;
     size_t n_items;
     vvi_march_count *count;    /* n_items + 1 */
     uint32_t *interior;        /* vertices inside the cells of each layer */

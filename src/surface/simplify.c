@@ -3,11 +3,11 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
-#include "surface/apart.h"
-#include "surface/chosen.h"
-#include "surface/cut.h"
-#include "surface/places.h"
+#include "surface/chosen_triangles.h"
+#include "surface/place_copies.h"
+#include "surface/self_contacts.h"
 #include "surface/simplify_library.h"
+#include "surface/vertex_places.h"
 #include "surface/weld.h"
 
 #include <math.h>

@@ -3,9 +3,9 @@
 #include "core/memory.h"
 #include "grid/mesh.h"
 #include "grid/mesh_normals.h"
-#include "surface/places.h"
 #include "surface/smooth_filter.h"
 #include "surface/smooth_volume.h"
+#include "surface/vertex_places.h"
 
 #include <string.h>
 

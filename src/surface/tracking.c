@@ -6,7 +6,7 @@
 #include "grid/mesh_normals.h"
 #include "surface/cell.h"
 #include "surface/marching_plan.h"
-#include "surface/tracked.h"
+#include "surface/tracked_cells.h"
 
 #include <stdlib.h>
 #include <string.h>

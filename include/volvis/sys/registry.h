@@ -282,7 +282,7 @@ typedef struct vv_renderer {
     bool normals;
     /** Whether draw() shows the scene's meshes: scenes with some are refused for all others. Their pixels in the layers
      * normal and id are draw()'s; the id of shape i is n_actors + 1 + i. */
-    bool shapes;
+    bool mesh_actors;
     /** Of methods that show one plane, through the scene's cross-hair: the directions that are right and up in the
      * picture, length 1 and at right angles, which take the place of the camera's; where it looks at, and how much it
      * shows, stay its own. False: the camera's own plane. Such pictures are exact at once: they have no coarse ones

@@ -120,7 +120,7 @@ typedef struct vv_actor {
 } vv_actor;
 
 /** One visible mesh. */
-typedef struct vv_shape {
+typedef struct vv_mesh_actor {
     vv_actor look;         /**< id, shading, colour and cut planes; it has no field. classes.color: colours by value */
     vv_mesh *mesh;         /**< with normals of vertices: its own, or made ones */
     vv_affine place;       /**< from the mesh's space to the World */
@@ -128,7 +128,7 @@ typedef struct vv_shape {
     bool one_color;        /**< that of `look`, whatever the mesh says */
     const uint8_t *colors; /**< sRGB and alpha of each vertex, by its value; NULL: the mesh's own */
     const vv_mesh_part *parts; /**< those of the mesh, with colours to tell them apart; NULL: the mesh's own */
-} vv_shape;
+} vv_mesh_actor;
 
 typedef struct vv_scene {
     vv_world *world; /**< the snapshot */
@@ -145,8 +145,8 @@ typedef struct vv_scene {
     vv_lens lens;
     vv_actor *actors;
     size_t n_actors;
-    vv_shape *shapes;
-    size_t n_shapes;
+    vv_mesh_actor *mesh_actors;
+    size_t n_mesh_actors;
     vv_lamp *lamps;
     size_t n_lamps;
     float ambient[3];

@@ -1,7 +1,7 @@
 /* The .dat headers of Voreen, Ultravis and the volume renderers around them: "Key: value" lines that name a raw file.
  */
 #include "io/data_files.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "registry.h"
 #include <stdio.h>
 #include <string.h>

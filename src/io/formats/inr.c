@@ -1,7 +1,7 @@
 /* Inrimage: a header of text, padded to a multiple of 256 bytes, and plain samples behind it. Read only. */
 #include "io/data_files.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "core/text.h"
 #include "io/cf_axes.h"
 #include "io/formats/hdf5/hdf5.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@
 #include "core/units.h"
 #include "io/layout.h"
 #include "io/notes.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <ctype.h>

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "io/layout.h"
 #include "io/notes.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <ctype.h>

@@ -1,11 +1,11 @@
 /* Image files: by the registry's image formats. */
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "core/text.h"
+#include "import/import_image.h"
 #include "io/format.h"
 #include "io/images/pfm.h"
-#include "io/import_image.h"
 #include "io/open_place.h"
 #include "io/sink.h"
 #include "io/source.h"

@@ -9,7 +9,7 @@
 #include "io/formats/tiff/tiff_write.h"
 #include "io/images/image_codes.h"
 #include "io/images/xmp.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 
 #include <string.h>
 

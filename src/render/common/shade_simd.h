@@ -8,12 +8,12 @@
 #include "render/raycast/raycast_kernels.h"
 
 /** Index-space gradient of the stored values to the world's. */
-VV_INLINE vf3 world_gradient(const vvi_ray_frame *f, vf3 g)
+VV_INLINE vf3 world_gradient(const vvi_ray_setup *f, vf3 g)
 {
     return vf3_turn(f->gradient_to_world, g);
 }
 
-VV_INLINE vf3 world_point(const vvi_ray_frame *f, vf3 p)
+VV_INLINE vf3 world_point(const vvi_ray_setup *f, vf3 p)
 {
     const float(*m)[4] = f->index_to_world;
     vf out[3];
@@ -29,7 +29,7 @@ VV_INLINE vf3 world_point(const vvi_ray_frame *f, vf3 p)
  * gradient  of the values, world space; its direction turned towards lower values is the normal
  * facing    the normal is turned to the viewer (surfaces); else two_sided or one-sided as the material says
  */
-VV_INLINE void shade(const vvi_ray_frame *f, vf3 p_index, vf3 direction, vf3 gradient, bool facing, vf rgb[3])
+VV_INLINE void shade(const vvi_ray_setup *f, vf3 p_index, vf3 direction, vf3 gradient, bool facing, vf rgb[3])
 {
     const vf length2 = vf3_dot(gradient, gradient), least = vf_set1(f->flat_gradient * f->flat_gradient);
     const vf3 view = vf3_scale(direction, vf_set1(-1.0f));

@@ -1,6 +1,6 @@
 /* Coordinates along three edges of the box around everything, the ones at the outside of its picture, lowest and
  * leftmost first; ticks at round numbers. Numbers stand outside the box, or inside where there is no room. */
-#include "render/decorate/nice.h"
+#include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "core/names.h"
 #include "core/units.h"
-#include "render/decorate/nice.h"
+#include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Decorations of one picture: first what stands in the World, by depth, then what stands on the picture. */
 #include "render/decorate/decorate.h"
+#include "core/allowed_places.h"
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "core/vec.h"
 #include "render/decorate/sheet.h"
 #include <math.h>

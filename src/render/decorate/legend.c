@@ -2,7 +2,7 @@
  * lines, each as high as it needs; where that is too high, curves go first, then rows from the end. */
 #include "core/memory.h"
 #include "grid/label_id.h"
-#include "render/decorate/nice.h"
+#include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
 #include "scene/transfer.h"
@@ -258,7 +258,7 @@ static void add_note(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
 
-static vv_color color_of_part(const vv_shape *shape, const vv_mesh_part *part)
+static vv_color color_of_part(const vv_mesh_actor *shape, const vv_mesh_part *part)
 {
     const float *c = shape->look.color;
     if (!shape->one_color && part && part->color.a >= 0)
@@ -273,7 +273,7 @@ static bool is_same(const vv_mesh_part *a, const vv_mesh_part *b)
 }
 
 /* Runs of triangles of one name and colour are one row. */
-static void add_parts(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_shape *shape)
+static void add_parts(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_mesh_actor *shape)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
     const vv_mesh_part *parts = shape->parts ? shape->parts : m->parts;
@@ -291,7 +291,7 @@ static void add_parts(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sce
 }
 
 /* One colour, those of parts, or colours by values; those of vertices speak for themselves. */
-static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_shape *shape)
+static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_mesh_actor *shape)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
     const vv_classification *k = &shape->look.classes;
@@ -335,8 +335,8 @@ static void list(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
         else
             add_strip(out, n_more, s, actor, scene->n_actors > 1);
     }
-    for (size_t i = 0; i < scene->n_shapes; i++)
-        add_shape(out, n_more, scene, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->n_mesh_actors; i++)
+        add_shape(out, n_more, scene, &scene->mesh_actors[i]);
     add_note(out, n_more, s);
 }
 

@@ -10,7 +10,7 @@
 
 size_t vvi_sheet_things(const vvi_sheet *s)
 {
-    return s->scene->n_actors + s->scene->n_shapes;
+    return s->scene->n_actors + s->scene->n_mesh_actors;
 }
 
 double vvi_sheet_corners(vv_vec3 out[8], const vvi_sheet *s, size_t i)
@@ -19,7 +19,7 @@ double vvi_sheet_corners(vv_vec3 out[8], const vvi_sheet *s, size_t i)
         vvi_actor_corners(out, &s->scene->actors[i]);
         return TOWARDS_EYE * vvi_actor_voxel(&s->scene->actors[i]);
     }
-    vvi_shape_corners(out, &s->scene->shapes[i - s->scene->n_actors]);
+    vvi_shape_corners(out, &s->scene->mesh_actors[i - s->scene->n_actors]);
     return OF_MESHES * vvi_length(vvi_sub(out[7], out[0]));
 }
 
@@ -161,7 +161,7 @@ vv_status vvi_sheet_cut_planes(const vvi_sheet *s)
     vvi_gfx_depth(s->gfx, !s->projects);
     for (size_t i = 0; i < vvi_sheet_things(s); i++) {
         const size_t n_actors = s->scene->n_actors;
-        const vv_actor *actor = i < n_actors ? &s->scene->actors[i] : &s->scene->shapes[i - n_actors].look;
+        const vv_actor *actor = i < n_actors ? &s->scene->actors[i] : &s->scene->mesh_actors[i - n_actors].look;
         vv_vec3 c[8], outline[VVI_CUT_CORNERS];
         const double lift = vvi_sheet_corners(c, s, i);
         for (size_t p = 0; p < actor->n_planes && st == VV_OK; p++) {

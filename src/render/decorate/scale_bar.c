@@ -1,5 +1,5 @@
 /* A bar of a round length. In perspective lengths depend on the distance: the bar is for the middle of the data. */
-#include "render/decorate/nice.h"
+#include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
 #include <math.h>

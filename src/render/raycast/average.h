@@ -14,7 +14,7 @@ typedef struct average_state {
     uint64_t samples;
 } average_state;
 
-VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest, vf k,
+VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,
                               vf share, vm m)
 {
     const vf zero = vf_set1(0.0f);
@@ -28,7 +28,7 @@ VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_ray_f
     s->length = s->length + vf_select(m, share, zero);
 }
 
-VV_INLINE void average_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+VV_INLINE void average_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
                               vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);

@@ -25,14 +25,14 @@ typedef struct blend_state {
     uint64_t samples;
 } blend_state;
 
-VV_INLINE size_t behind_at(const blend_state *s, const vvi_blend_frame *f, int l)
+VV_INLINE size_t behind_at(const blend_state *s, const vvi_blend_setup *f, int l)
 {
     return (size_t)(s->y + l / PACKET_W - f->behind_y) * (size_t)f->behind_row +
            (size_t)(s->x + l % PACKET_W - f->behind_x);
 }
 
 /* Distance of the surface behind each lane; INFINITY: none. */
-VV_INLINE void find_behind(double out[VV_WIDTH], const blend_state *s, const vvi_blend_frame *f, vm live)
+VV_INLINE void find_behind(double out[VV_WIDTH], const blend_state *s, const vvi_blend_setup *f, vm live)
 {
     const uint32_t bits = vm_bits(live);
     for (int l = 0; l < VV_WIDTH; l++)
@@ -40,7 +40,7 @@ VV_INLINE void find_behind(double out[VV_WIDTH], const blend_state *s, const vvi
 }
 
 /* Puts every volume's entry and exit in steps of the common lattice. */
-VV_INLINE void blend_align(blend_state *s, const vvi_blend_frame *f, vm live)
+VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f, vm live)
 {
     double behind[VV_WIDTH];
     find_behind(behind, s, f, live);
@@ -74,7 +74,7 @@ VV_INLINE void blend_align(blend_state *s, const vvi_blend_frame *f, vm live)
     }
 }
 
-VV_INLINE void blend_begin(blend_state *s, const vvi_blend_frame *f, int32_t x, int32_t y, vm live)
+VV_INLINE void blend_begin(blend_state *s, const vvi_blend_setup *f, int32_t x, int32_t y, vm live)
 {
     s->n = f->n_volumes;
     s->x = x;
@@ -102,7 +102,7 @@ VV_INLINE blend_span find_span(const blend_part *p, vf k)
 /** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
 VV_INLINE void blend_look(blend_part *p, vf k, vm run)
 {
-    const vvi_ray_frame *f = &p->volume->ray;
+    const vvi_ray_setup *f = &p->volume->ray;
     const vm due = vm_and(run, vf_le(p->look, k));
     if (!vm_any(due))
         return;
@@ -186,7 +186,7 @@ VV_INLINE void blend_step(blend_state *s, vf k, vm run)
     s->depth = vf_select(vm_and(halved, seen), (sum.from + sum.to) * vf_set1(0.5f), s->depth);
 }
 
-VV_INLINE void blend_march(blend_state *s, const vvi_blend_frame *f)
+VV_INLINE void blend_march(blend_state *s, const vvi_blend_setup *f)
 {
     const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
     vf k = vf_set1(0.0f);
@@ -212,7 +212,7 @@ VV_INLINE void blend_march(blend_state *s, const vvi_blend_frame *f)
 }
 
 /* Over what lies behind, to the image. */
-VV_INLINE void blend_store(const blend_state *s, const vvi_blend_frame *f, vm live)
+VV_INLINE void blend_store(const blend_state *s, const vvi_blend_setup *f, vm live)
 {
     float c[3][VV_WIDTH], through[VV_WIDTH], depth[VV_WIDTH];
     for (int i = 0; i < 3; i++)
@@ -235,7 +235,7 @@ VV_INLINE void blend_store(const blend_state *s, const vvi_blend_frame *f, vm li
     }
 }
 
-VV_INLINE void blend_packet(const vvi_blend_frame *f, int32_t x, int32_t y, vm live, vv_render_counts *counts)
+VV_INLINE void blend_packet(const vvi_blend_setup *f, int32_t x, int32_t y, vm live, vv_render_counts *counts)
 {
     blend_state s;
     blend_begin(&s, f, x, y, live);

@@ -6,14 +6,14 @@
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile);
 extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);
 
-void VV_KERNEL_TABLE(vvi_blend_tile)(const vvi_blend_frame *f, const vv_tile *tile, vv_render_counts *counts)
+void VV_KERNEL_TABLE(vvi_blend_tile)(const vvi_blend_setup *f, const vv_tile *tile, vv_render_counts *counts)
 {
     for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
         for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W)
             blend_packet(f, x, y, packet_lanes(tile, x, y), counts);
 }
 
-void VV_KERNEL_TABLE(vvi_cubic_tile)(const vvi_ray_frame *f, const vv_tile *tile, vv_render_counts *counts)
+void VV_KERNEL_TABLE(vvi_cubic_tile)(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts)
 {
     for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
         for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W) {

@@ -37,7 +37,7 @@ typedef struct vvi_blend_paint {
 
 /** One volume of a blend. */
 typedef struct vvi_blend_volume {
-    vvi_ray_frame ray;   /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
+    vvi_ray_setup ray;   /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
     bool nearest, cubic; /**< cubic: the lattice has coefficients (cubic_spline.h) */
     int classify;
     vvi_blend_paint paint;
@@ -56,7 +56,7 @@ typedef struct vvi_blend_volume {
     float label_range; /**< labels: the gradient of one of them is made this much longer, as if it were a value */
 } vvi_blend_volume;
 
-typedef struct vvi_blend_frame {
+typedef struct vvi_blend_setup {
     vvi_blend_volume volume[VVI_BLEND_VOLUMES];
     size_t n_volumes; /**< at least 1; all have the same view, step and `opaque` */
     double step;
@@ -67,6 +67,6 @@ typedef struct vvi_blend_frame {
     int32_t behind_x, behind_y, behind_row;
     int32_t row;         /**< pixels from one row of the image to the next */
     float *rgba, *depth; /**< out: rows of `row` pixels; depth may be NULL */
-} vvi_blend_frame;
+} vvi_blend_setup;
 
 #endif

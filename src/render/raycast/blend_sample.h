@@ -66,7 +66,7 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
 /** The table's colour and optical depth of a full step, times `share`. */
 VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
-    const vvi_ray_frame *f = &v->ray;
+    const vvi_ray_setup *f = &v->ray;
     m = vm_and(m, is_number(value));
     const vi at = vi_shl(find_entry(f, value, m), 2);
     s->depth = vf_gather4(f->color + 3, at, m) * share;
@@ -94,7 +94,7 @@ VV_INLINE row_place find_row(const vvi_blend_volume *v, vf value)
 /** Where a value stays within a row that is too steep for one mean, what it is seen as: the table's finer rows. */
 VV_INLINE void in_steep_row(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
-    const vvi_ray_frame *f = &v->ray;
+    const vvi_ray_setup *f = &v->ray;
     const vf place = entry_place(f, value);
     const vi entry = vi_trunc(place);
     const vf alpha = vf_gather4(f->alpha, entry, m);

@@ -7,21 +7,21 @@
 #include "render/raycast/raycast_kernels.h"
 
 /** Its whole part is the entry. */
-VV_INLINE vf entry_place(const vvi_ray_frame *f, vf value)
+VV_INLINE vf entry_place(const vvi_ray_setup *f, vf value)
 {
     const vf place = vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift)); /* may be beyond integers */
     return vf_clamp(place, vf_set1(0.0f), vf_set1(f->last_place));
 }
 
 /** In place of entries that are split (those of `split`, by their alpha) the one of theirs that holds. */
-VV_INLINE vi split_entry(const vvi_ray_frame *f, vf place, vi entry, vf alpha, vm split)
+VV_INLINE vi split_entry(const vvi_ray_setup *f, vf place, vi entry, vf alpha, vm split)
 {
     const vf parts = vf_gather4(f->color, vi_shl(entry, 2), split);
     const vi part = vi_trunc((place - vf_from_vi(entry)) * parts);
     return vi_select(split, vi_trunc(alpha) - vi_set1(VVI_ENTRY_SPLIT) + part, entry);
 }
 
-VV_INLINE vi find_entry(const vvi_ray_frame *f, vf value, vm m)
+VV_INLINE vi find_entry(const vvi_ray_setup *f, vf value, vm m)
 {
     const vf place = entry_place(f, value);
     const vi entry = vi_trunc(place);

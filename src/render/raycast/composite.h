@@ -26,7 +26,7 @@ typedef struct light_queue {
 } light_queue;
 
 /** Gives colour to all that wait. */
-typedef void light_fn(light_queue *q, const packet *r, const vvi_ray_frame *f);
+typedef void light_fn(light_queue *q, const packet *r, const vvi_ray_setup *f);
 
 typedef struct composite_state {
     vf rgb[3], transmittance;
@@ -41,7 +41,7 @@ VV_INLINE vf3 permuted(vf3 a, vi lane)
 }
 
 /** Colour of the samples from `at` on, at most one a lane. */
-VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_ray_frame *f,
+VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_ray_setup *f,
                            int type, bool nearest, int at)
 {
     const vvi_lattice *g = &f->lattice;
@@ -62,7 +62,7 @@ VV_INLINE void light_batch(float *const part[3], const light_queue *q, const pac
         vf_store(part[c] + at, rgb[c] * weight);
 }
 
-VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
+VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
 {
     float red[QUEUE_FULL + 2 * VV_WIDTH], green[QUEUE_FULL + 2 * VV_WIDTH], blue[QUEUE_FULL + 2 * VV_WIDTH];
     memset(red, 0, sizeof red); /* lanes without a sample read what lies behind the last */
@@ -93,7 +93,7 @@ VV_INLINE void queue_push(light_queue *q, vf k, vi entry, vf weight, vm m)
 
 /** One sample of every lane in m, k steps from entry; share: how much of a full step it stands for (1 for all but the
  * last). */
-VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest,
+VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest,
                                 light_fn *light, vf k, bool partial, vf share, vm m)
 {
     const vf3 p = packet_point(r, k);
@@ -137,7 +137,7 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
 
 /** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step, which is `share` of one long.
  */
-VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest,
+VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest,
                                light_fn *light, vf k, vf limit, vf middle, bool partial, vf share, vm run)
 {
     const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
@@ -164,7 +164,7 @@ VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ra
     }
 }
 
-VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+VV_INLINE void composite_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
                                 light_fn *light, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);

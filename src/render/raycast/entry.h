@@ -9,7 +9,7 @@
 /** Unit normals of the faces by which `lanes` enter, into the volume, which is how gradients point; and which of the
  * faces are those of cut planes. Out of line: it is rare, and one lane after the other. */
 static __attribute__((noinline)) void find_entries(float out[3][VV_WIDTH], uint32_t *by_cut_out, const packet *r,
-                                                   const vvi_ray_frame *f, uint32_t lanes)
+                                                   const vvi_ray_setup *f, uint32_t lanes)
 {
     *by_cut_out = 0;
     memset(out, 0, 3 * VV_WIDTH * sizeof(float));
@@ -51,7 +51,7 @@ static __attribute__((noinline)) void find_entries(float out[3][VV_WIDTH], uint3
 }
 
 /** The same of the lanes in `flat`, long enough to count as gradients. */
-VV_INLINE vf3 entry_gradient(const packet *r, const vvi_ray_frame *f, vm flat)
+VV_INLINE vf3 entry_gradient(const packet *r, const vvi_ray_setup *f, vm flat)
 {
     float g[3][VV_WIDTH];
     uint32_t by_cut;
@@ -61,7 +61,7 @@ VV_INLINE vf3 entry_gradient(const packet *r, const vvi_ray_frame *f, vm flat)
 
 /** Gradients of samples (k steps along ray number `lane`), but on cuts: what lies less than a voxel behind the face of
  * a cut plane is lit as that face. */
-VV_INLINE vf3 cap_gradient(vf3 g, const packet *r, const vvi_ray_frame *f, vf k, vi lane, vm m)
+VV_INLINE vf3 cap_gradient(vf3 g, const packet *r, const vvi_ray_setup *f, vf k, vi lane, vm m)
 {
     const vm near = vm_and(m, vf_lt(k, vf_set1(f->cap_depth)));
     if (!f->capped || !vm_any(near))

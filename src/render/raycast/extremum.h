@@ -14,7 +14,7 @@ typedef struct extremum_state {
     uint64_t samples;
 } extremum_state;
 
-VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest, vf k,
+VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,
                                vm m)
 {
     const vf value = sample_value(&f->lattice, type, nearest, packet_point(r, k), m) * vf_set1(f->sign);
@@ -27,7 +27,7 @@ VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_ray
 /* Where blocks turn out to be of use, the next ones are taken on trust: a look costs as much as a sample. */
 enum { MOST_TRUST = 4 };
 
-VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
+VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
 {
     const vf one = vf_set1(1.0f);
     const vi alone = vi_set1(1);
@@ -59,7 +59,7 @@ VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_
 }
 
 /** The table's colour for one value of each ray (stored numbers), and where it was found. */
-VV_INLINE void store_values(const packet *r, const vvi_ray_frame *f, vm live, vf value, vm found, vf depth)
+VV_INLINE void store_values(const packet *r, const vvi_ray_setup *f, vm live, vf value, vm found, vf depth)
 {
     const vi at = vi_shl(find_entry(f, value, found), 2);
     vf rgba[4];
@@ -69,7 +69,7 @@ VV_INLINE void store_values(const packet *r, const vvi_ray_frame *f, vm live, vf
     packet_store(r, f, live, rgba, depth);
 }
 
-VV_INLINE void extremum_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+VV_INLINE void extremum_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
                                vv_render_counts *counts)
 {
     const vf none = vf_set1(-INFINITY);

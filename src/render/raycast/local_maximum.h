@@ -7,7 +7,7 @@
 #include "render/raycast/extremum.h"
 
 /** A ray is over when its best value is above the threshold and the value after it is smaller. */
-VV_INLINE vm local_sample(extremum_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest, vf k,
+VV_INLINE vm local_sample(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,
                           vm m)
 {
     const vf value = sample_value(&f->lattice, type, nearest, packet_point(r, k), m) * vf_set1(f->sign);
@@ -19,7 +19,7 @@ VV_INLINE vm local_sample(extremum_state *s, const packet *r, const vvi_ray_fram
     return over;
 }
 
-VV_INLINE void local_march(extremum_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
+VV_INLINE void local_march(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
 {
     const vf one = vf_set1(1.0f), threshold = vf_set1(f->threshold);
     vf k = vf_set1(0.0f);
@@ -47,7 +47,7 @@ VV_INLINE void local_march(extremum_state *s, const packet *r, const vvi_ray_fra
     local_sample(s, r, f, type, nearest, r->n, vm_andnot(r->hit, over));
 }
 
-VV_INLINE void local_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+VV_INLINE void local_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
                             vv_render_counts *counts)
 {
     const vf none = vf_set1(-INFINITY);

@@ -34,7 +34,7 @@ typedef struct packet {
     int32_t x, y; /* pixel of lane 0 */
 } packet;
 
-VV_INLINE void packet_rays(packet *r, const vvi_ray_frame *f)
+VV_INLINE void packet_rays(packet *r, const vvi_ray_setup *f)
 {
     const vv_lens *lens = &f->lens;
     for (int l = 0; l < VV_WIDTH; l++) {
@@ -84,7 +84,7 @@ VV_INLINE void clip_plane(double *restrict t0, double *restrict t1, const packet
 }
 
 /* The cell of PARC's buffer that a ray passes through; false where it passes beside the image. */
-VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_frame *f, int l)
+VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_setup *f, int l)
 {
     const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
     const double x = column * f->stride + f->pixel_x, y = row * f->stride + f->pixel_y;
@@ -95,7 +95,7 @@ VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_frame 
 }
 
 /* Between which steps a ray can meet something visible. */
-VV_INLINE void packet_bound(packet *r, const vvi_ray_frame *f)
+VV_INLINE void packet_bound(packet *r, const vvi_ray_setup *f)
 {
     const vvi_parc *p = f->parc;
     const vv_vec3 forward = f->lens.forward;
@@ -127,7 +127,7 @@ VV_INLINE vm packet_promising(const packet *r)
     return vm_and(r->hit, vf_lt(r->first, r->last));
 }
 
-VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
+VV_INLINE vf find_phases(const packet *r, const vvi_ray_setup *f)
 {
     float phase[VV_WIDTH];
     if (!f->jitter)
@@ -141,7 +141,7 @@ VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
 }
 
 /** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
-static __attribute__((noinline)) void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
+static __attribute__((noinline)) void packet_begin(packet *r, const vvi_ray_setup *f, int32_t x, int32_t y, vm live)
 {
     double t0[VV_WIDTH], t1[VV_WIDTH], io[3][VV_WIDTH], id[3][VV_WIDTH];
     float start[3][VV_WIDTH], delta[3][VV_WIDTH], inverse[3][VV_WIDTH], n[VV_WIDTH], dir[3][VV_WIDTH];
@@ -201,7 +201,7 @@ VV_INLINE vm packet_lanes(const vv_tile *tile, int32_t x, int32_t y)
 }
 
 /** Premultiplied colour, coverage and depth (in steps; negative: nothing) of the packet's pixels to the image. */
-VV_INLINE void packet_store(const packet *r, const vvi_ray_frame *f, vm live, const vf rgba[4], vf depth)
+VV_INLINE void packet_store(const packet *r, const vvi_ray_setup *f, vm live, const vf rgba[4], vf depth)
 {
     float c[4][VV_WIDTH], k[VV_WIDTH];
     for (int i = 0; i < 4; i++)
@@ -226,7 +226,7 @@ typedef struct block_at {
     vi i, j, k, index;
 } block_at;
 
-VV_INLINE block_at find_block(const vvi_ray_frame *f, bool nearest, vf3 p)
+VV_INLINE block_at find_block(const vvi_ray_setup *f, bool nearest, vf3 p)
 {
     const cell_at c = nearest ? find_sample(&f->lattice, p) : find_cell(&f->lattice, p);
     block_at b;
@@ -249,7 +249,7 @@ VV_INLINE vf axis_exit(vf start, vf delta, vf inverse, vi b, vi reach, vi last, 
 }
 
 /** What vvi_skip.reach says of the lanes' blocks: which may show something, and how far their like goes on. */
-VV_INLINE vi look_at_blocks(const vvi_ray_frame *f, const block_at *b, vm m, vm *empty)
+VV_INLINE vi look_at_blocks(const vvi_ray_setup *f, const block_at *b, vm m, vm *empty)
 {
     const vi reach = vi_gather(f->reach, b->index, m);
     *empty = vm_and(m, vi_eq(reach & vi_set1(VVI_SKIP_OCCUPIED), vi_set1(0)));
@@ -257,7 +257,7 @@ VV_INLINE vi look_at_blocks(const vvi_ray_frame *f, const block_at *b, vm m, vm 
 }
 
 /** Steps from entry to where the ray leaves the cube of blocks that reaches `reach` blocks around b (1: b alone). */
-VV_INLINE vf block_exit(const packet *r, const vvi_ray_frame *f, bool nearest, const block_at *b, vi reach)
+VV_INLINE vf block_exit(const packet *r, const vvi_ray_setup *f, bool nearest, const block_at *b, vi reach)
 {
     const float half = nearest ? 0.5f : 0.0f;
     const vi lx = vi_set1(f->blocks[0] - 1), ly = vi_set1(f->blocks[1] - 1), lz = vi_set1(f->blocks[2] - 1);

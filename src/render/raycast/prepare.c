@@ -4,7 +4,7 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/halved.h"
+#include "render/common/half_volume.h"
 #include "scene/label_ids.h"
 #include "scene/resolve.h"
 #include <math.h>
@@ -182,8 +182,8 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
 /* Several volumes, or one that no kernel of one volume shows: surfaces behind, and all others before them. */
 static void prepare_blend(vvi_raycast_state *s, const vvi_raycast_kernels *k)
 {
-    vvi_blend_frame *f = &s->blend;
-    *f = (vvi_blend_frame){.step = s->volume[0].blend.ray.step, .opaque = s->volume[0].blend.ray.opaque};
+    vvi_blend_setup *f = &s->blend;
+    *f = (vvi_blend_setup){.step = s->volume[0].blend.ray.step, .opaque = s->volume[0].blend.ray.opaque};
     bool any = false;
     for (size_t i = 0; i < s->n_volumes; i++) {
         const vvi_raycast_volume *v = &s->volume[i];

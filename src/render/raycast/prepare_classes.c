@@ -29,7 +29,7 @@ static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t 
 static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, const vvi_transfer_fine *fine,
                             vv_job *job)
 {
-    vvi_ray_frame *f = &v->blend.ray;
+    vvi_ray_setup *f = &v->blend.ray;
     const size_t rows = table->n + fine->n_rows;
     v->alpha = vvi_alloc(job, (rows + GUARD_FLOATS) * sizeof *v->alpha, VVI_MEM_SCRATCH);
     v->color = vvi_alloc(job, (rows * 4 + GUARD_FLOATS) * sizeof *v->color, VVI_MEM_SCRATCH);
@@ -151,7 +151,7 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
 {
     const vv_actor *actor = v->actor;
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
-    vvi_ray_frame *f = &v->blend.ray;
+    vvi_ray_setup *f = &v->blend.ray;
     const double scale = v->hold.value_scale, offset = v->hold.value_offset;
     const double threshold = vv_object_is_set(&p->base, "threshold") ? p->threshold : actor->iso;
     vv_vec3 corner = {0, 0, 0}; /* the longest of the four diagonals */
@@ -175,7 +175,7 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
-    vvi_ray_frame *f = &v->blend.ray;
+    vvi_ray_setup *f = &v->blend.ray;
     double from, to;
     vvi_raycast_solid(&from, &to, p, actor);
     const double a = (from - v->hold.value_offset) / v->hold.value_scale;

@@ -1,8 +1,8 @@
 /* Blocks and boxes of a volume in which nothing is visible. */
 #include "core/cache.h"
 #include "core/job.h"
+#include "render/common/minmax_spread.h"
 #include "render/common/skip.h"
-#include "render/common/spread.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
@@ -55,7 +55,7 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
  * more of the coefficients. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
-    const vvi_ray_frame *f = &v->blend.ray;
+    const vvi_ray_setup *f = &v->blend.ray;
     double most = 0;
     if (v->blend.classify != VVI_CLASSIFY_INTEGRATED && !v->blend.cubic)
         return 0;
@@ -81,7 +81,7 @@ static uint64_t hash_visibility(const visibility *v)
 
 static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfer_table *table)
 {
-    const vvi_ray_frame *f = &v->blend.ray;
+    const vvi_ray_setup *f = &v->blend.ray;
     return (visibility){table, v->hold.value_scale, v->hold.value_offset, f->solid_lo, f->solid_hi};
 }
 
@@ -98,7 +98,7 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
 
 vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
 {
-    vvi_ray_frame *f = &volume->blend.ray;
+    vvi_ray_setup *f = &volume->blend.ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);
@@ -147,7 +147,7 @@ static vv_status make_boxes(void **value_out, uint64_t *bytes_out, void *user, v
 vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *scene, const vvi_transfer_table *table,
                                  vv_job *job)
 {
-    vvi_ray_frame *f = &volume->blend.ray;
+    vvi_ray_setup *f = &volume->blend.ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);

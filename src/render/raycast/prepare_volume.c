@@ -12,7 +12,7 @@ enum { MOST_STEPS = 1 << 20 };
 #define LEAST_FLAT 1e-18  /* its square is a float */
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
-static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
+static vv_status check_step(vvi_ray_setup *f, const vv_actor *actor, const vv_scene *scene)
 {
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
     double diagonal = 0;
@@ -28,7 +28,7 @@ static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_sc
 
 /* Placement ----------------------------------------------------------------------------------------------------- */
 
-static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
+static vv_status place(vvi_ray_setup *f, const vv_actor *actor)
 {
     const vv_affine m = actor->index_to_world;
     vv_affine i;
@@ -71,7 +71,7 @@ static void scale_gradients(vvi_raycast_volume *v)
 {
     const vv_actor *actor = v->actor;
     const double value_scale = v->hold.value_scale;
-    vvi_ray_frame *f = &v->blend.ray;
+    vvi_ray_setup *f = &v->blend.ray;
     const double all = (actor->statistics->max - actor->statistics->min) / value_scale;
     const double seen = vvi_shade_range(actor) / fabs(value_scale);
     const double range = copysign(fmax(seen, fabs(all) * LEAST_SHARE), all);
@@ -85,7 +85,7 @@ static void scale_gradients(vvi_raycast_volume *v)
     f->solid_unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
 }
 
-static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *actor)
+static vv_status light(vvi_ray_setup *f, const vv_scene *scene, const vv_actor *actor)
 {
     if (scene->n_lamps > VVI_RAY_LAMPS)
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
@@ -128,7 +128,7 @@ static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scen
 vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vv_actor *actor = v->actor;
-    vvi_ray_frame *f = &v->blend.ray;
+    vvi_ray_setup *f = &v->blend.ray;
     vv_status st = check_interpolation(actor, scene);
     if (st != VV_OK)
         return st;

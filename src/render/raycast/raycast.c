@@ -72,7 +72,7 @@ typedef struct piece {
     vv_render_counts *counts;
 } piece;
 
-static void set_pass(vvi_ray_frame *f, const piece *p)
+static void set_pass(vvi_ray_setup *f, const piece *p)
 {
     f->pixel_x = p->pass->x;
     f->pixel_y = p->pass->y;
@@ -86,7 +86,7 @@ static void set_pass(vvi_ray_frame *f, const piece *p)
 /* One volume's surface, the piece's first pixel at (0, 0). */
 static void draw_surface(surfaces *out, const vvi_raycast_volume *v, const piece *p)
 {
-    vvi_ray_frame frame = v->blend.ray;
+    vvi_ray_setup frame = v->blend.ray;
     vv_render_counts counts = {0};
     const vv_tile tile = {0, 0, p->tile.x1 - p->tile.x0, p->tile.y1 - p->tile.y0};
     set_pass(&frame, p);
@@ -146,7 +146,7 @@ static void copy_surfaces(const surfaces *near, const piece *p)
 
 static void draw_blend(const vvi_raycast_state *s, const surfaces *behind, const piece *p)
 {
-    vvi_blend_frame frame = s->blend;
+    vvi_blend_setup frame = s->blend;
     for (size_t i = 0; i < frame.n_volumes; i++)
         set_pass(&frame.volume[i].ray, p);
     if (behind) {
@@ -165,7 +165,7 @@ static void draw_blend(const vvi_raycast_state *s, const surfaces *behind, const
 static void draw(const vvi_raycast_state *s, const piece *p)
 {
     if (vvi_raycast_is_plain(s)) {
-        vvi_ray_frame frame = s->volume[0].blend.ray;
+        vvi_ray_setup frame = s->volume[0].blend.ray;
         set_pass(&frame, p);
         s->volume[0].kernel(&frame, &p->tile, p->counts);
         return;

@@ -69,7 +69,7 @@ typedef struct vvi_raycast_volume {
 typedef struct vvi_raycast_state {
     vvi_raycast_volume volume[VVI_BLEND_VOLUMES];
     size_t n_volumes;
-    vvi_blend_frame blend;
+    vvi_blend_setup blend;
     vvi_blend_kernel *kernel; /**< of the blend; NULL: nothing to blend */
     size_t n_surfaces;        /**< volumes that are solid and visible; beside others, or several of them */
 } vvi_raycast_state;

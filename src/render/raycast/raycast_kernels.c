@@ -7,9 +7,9 @@
 #include "render/raycast/local_maximum.h"
 #include "render/raycast/surface.h"
 
-typedef void packet_fn(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts);
+typedef void packet_fn(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts);
 
-VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_render_counts *counts, packet_fn *fn)
+VV_INLINE void each_packet(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts, packet_fn *fn)
 {
     for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
         for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W) {
@@ -23,18 +23,18 @@ VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_rende
 
 /* name, what one packet does */
 #define KERNEL(name, call)                                                                                             \
-    static void name##_packet(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts)              \
+    static void name##_packet(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts)              \
     {                                                                                                                  \
         call;                                                                                                          \
     }                                                                                                                  \
-    static void name(const vvi_ray_frame *f, const vv_tile *tile, vv_render_counts *counts)                            \
+    static void name(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts)                            \
     {                                                                                                                  \
         each_packet(f, tile, counts, name##_packet);                                                                   \
     }
 
 /* Out of line: it is called from two places, and leaves the marching loop its registers. */
 #define LIGHT(name, type)                                                                                              \
-    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_ray_frame *f)                \
+    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_ray_setup *f)                \
     {                                                                                                                  \
         light_all(q, r, f, type, f->nearest);                                                                          \
     }

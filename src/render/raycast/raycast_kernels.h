@@ -1,6 +1,6 @@
 /** @file
  * The ray caster's inner loops, built once per instruction set. A kernel fills one tile of the image; everything it
- * needs that does not depend on the pixel is in vvi_ray_frame.
+ * needs that does not depend on the pixel is in vvi_ray_setup.
  */
 #ifndef VVI_RENDER_RAYCAST_KERNELS_H
 #define VVI_RENDER_RAYCAST_KERNELS_H
@@ -16,7 +16,7 @@ enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
 /** No opacity is as large. */
 enum { VVI_ENTRY_SPLIT = 2 };
 
-typedef struct vvi_ray_frame {
+typedef struct vvi_ray_setup {
     /* the view */
     vv_lens lens;
     int32_t width, height; /**< of the scene: what the lens spans */
@@ -71,7 +71,7 @@ typedef struct vvi_ray_frame {
     vvi_lamp lamps[VVI_RAY_LAMPS];
     /* out */
     float *rgba, *depth; /**< rows of `row` pixels; depth may be NULL */
-} vvi_ray_frame;
+} vvi_ray_setup;
 
 /** Where in its steps the samples of a ray lie, 0 to 1: spread evenly over neighbouring pixels (Jimenez 2014), and over
  * the passes of a picture by the golden ratio. */
@@ -82,10 +82,10 @@ static inline float vvi_ray_phase(int32_t x, int32_t y, uint64_t seed)
     return (float)(c - floor(c));
 }
 
-typedef void vvi_ray_kernel(const vvi_ray_frame *frame, const vv_tile *tile, vv_render_counts *counts);
+typedef void vvi_ray_kernel(const vvi_ray_setup *frame, const vv_tile *tile, vv_render_counts *counts);
 
-struct vvi_blend_frame;
-typedef void vvi_blend_kernel(const struct vvi_blend_frame *frame, const vv_tile *tile, vv_render_counts *counts);
+struct vvi_blend_setup;
+typedef void vvi_blend_kernel(const struct vvi_blend_setup *frame, const vv_tile *tile, vv_render_counts *counts);
 
 /** What a kernel of one volume makes of the values along a ray. */
 enum {

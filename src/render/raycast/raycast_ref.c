@@ -16,7 +16,7 @@ static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards, bool by_cut)
 
 bool vvi_ref_clip(vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     r->t0 = 0;
     r->by_cut = false;
     r->t1 = INFINITY;
@@ -53,7 +53,7 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     vv_vec3 g = vvi_scaled(vvi_ref_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     if (!facing && f->capped && r->by_cut && t - r->t0 < (double)f->cap_depth * f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     vv_actor actor = *r->volume->actor;
@@ -68,7 +68,7 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
 
 /* Rows of the frame's own table, so that only sampling, shading and compositing are compared; the table has its own
  * tests against the nodes. */
-int64_t vvi_ref_row(const vvi_ray_frame *f, double value)
+int64_t vvi_ref_row(const vvi_ray_setup *f, double value)
 {
     const double row = value * (double)f->entry_scale + (double)f->entry_shift;
     const double place = fmin(fmax(row, 0), (double)f->last_place);
@@ -81,7 +81,7 @@ int64_t vvi_ref_row(const vvi_ray_frame *f, double value)
 
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     double clear = 1;
     for (int64_t k = 0; clear > f->opaque; k++) {
         const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
@@ -108,7 +108,7 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
     rgba[3] = 1 - clear;
 }
 
-static void store_value(double rgba[4], const vvi_ray_frame *f, double stored)
+static void store_value(double rgba[4], const vvi_ray_setup *f, double stored)
 {
     const int64_t e = vvi_ref_row(f, stored);
     for (int c = 0; c < 3; c++)
@@ -119,7 +119,7 @@ static void store_value(double rgba[4], const vvi_ray_frame *f, double stored)
 /* The extreme data value; or, with a threshold, the first that is above it and followed by a smaller one. */
 static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double sign, double threshold)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     const double order = sign * (r->volume->hold.value_scale < 0 ? -1 : 1);
     double best = -INFINITY;
     const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
@@ -139,7 +139,7 @@ static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double
 /* The integral of the data value, over the ray's own length or that of the longest, by the midpoint rule. */
 static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     const double scale = r->volume->hold.value_scale, offset = r->volume->hold.value_offset;
     double sum = 0, length = 0;
     for (int64_t k = 0;; k++) {
@@ -158,7 +158,7 @@ static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 
 static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mode)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     if (mode == VVI_RAYCAST_MEAN || mode == VVI_RAYCAST_SUM)
         average(rgba, r, mode == VVI_RAYCAST_SUM);
     else if (mode == VVI_RAYCAST_LOCAL_MAXIMUM)
@@ -170,7 +170,7 @@ static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mod
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
 void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     const double fine = f->step / 24;
     double before = r->t0, t = r->t0;
     for (;; t += fine) {
@@ -223,7 +223,7 @@ void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const
     *depth = INFINITY;
     for (size_t i = 0; i < state->n_volumes; i++) {
         rays[i] = (vvi_ref_ray){.scene = scene, .volume = &state->volume[i]};
-        const vvi_ray_frame *f = &state->volume[i].blend.ray;
+        const vvi_ray_setup *f = &state->volume[i].blend.ray;
         vvi_lens_ray(&rays[i].origin, &rays[i].direction, &scene->lens, scene->width, scene->height,
                      x * f->stride + f->pixel_x, y * f->stride + f->pixel_y);
     }

@@ -23,7 +23,7 @@ static void find_behind(double rgba[4], double *depth, const vvi_raycast_state *
 /* Extinction and colour by the value in the middle: a row of the frame's table, which has tests of its own. */
 static double by_table(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const vvi_ray_setup *f = &r->volume->blend.ray;
     const double value = vvi_ref_value(r, t);
     if (!isfinite(value))
         return 0;

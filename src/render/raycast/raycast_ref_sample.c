@@ -151,7 +151,7 @@ double vvi_ref_value(const vvi_ref_ray *r, double t)
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
 {
     const vvi_blend_volume *b = &r->volume->blend;
-    const vvi_ray_frame *f = &b->ray;
+    const vvi_ray_setup *f = &b->ray;
     const vv_statistics *range = r->volume->actor->statistics;
     samples s = {&f->lattice, NAN};
     double p[3], g[3], w[3], scale = 1;

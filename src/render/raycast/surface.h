@@ -23,7 +23,7 @@ VV_INLINE vi walk_clamp(const walk *w, vi cell, int a)
     return vi_clamp(cell, vi_set1(0), w->last[a]);
 }
 
-VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_ray_frame *f, bool nearest)
+VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_ray_setup *f, bool nearest)
 {
     const vf shift = vf_set1(nearest ? 0.5f : 0.0f), zero = vf_set1(0.0f);
     const vf start[3] = {r->start.x + shift, r->start.y + shift, r->start.z + shift};
@@ -181,7 +181,7 @@ typedef struct surface_state {
 
 /** Lanes whose block is empty, and for each the cube of empty blocks around it as a box of cells. The last block has
  * all cells up to the border: with nearest samples there is one more than cells between samples. */
-VV_INLINE vm surface_empty(const walk *w, const vvi_ray_frame *f, vm run, cell_box *box)
+VV_INLINE vm surface_empty(const walk *w, const vvi_ray_setup *f, vm run, cell_box *box)
 {
     const vi one = vi_set1(1);
     vi block[3];
@@ -199,7 +199,7 @@ VV_INLINE vm surface_empty(const walk *w, const vvi_ray_frame *f, vm run, cell_b
     return vm_and(run, vi_lt(vi_set1(0), far));
 }
 
-VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_ray_frame *f, int type, vm run)
+VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_ray_setup *f, int type, vm run)
 {
     const vvi_lattice *g = &f->lattice;
     const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
@@ -212,7 +212,7 @@ VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_
     st->samples += (uint64_t)vm_count(run);
 }
 
-VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_frame *f, int type,
+VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_setup *f, int type,
                                    vf target, vf side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
@@ -241,7 +241,7 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     st->hit = vm_or(st->hit, found);
 }
 
-VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
+VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
 {
     const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi);
     const vm rays = packet_promising(r);
@@ -275,7 +275,7 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
 }
 
 /** The colour of a surface where rays hit it. */
-VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_ray_frame *f)
+VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_ray_setup *f)
 {
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_set1(f->surface_color[c]);
@@ -285,7 +285,7 @@ VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *
     }
 }
 
-VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+VV_INLINE void surface_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
                               vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f);

@@ -18,7 +18,7 @@ typedef struct cubic_side {
     vf target, sign;
 } cubic_side;
 
-VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_ray_frame *f, vf s, vm m)
+VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_ray_setup *f, vf s, vm m)
 {
     const vf3 p = packet_point(r, s);
     vf value;
@@ -27,7 +27,7 @@ VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_ray
     return (value - side->target) * side->sign;
 }
 
-VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_frame *f,
+VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_setup *f,
                                   const cubic_side *side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), middle = (w->s + s_out) * vf_set1(0.5f);
@@ -47,7 +47,7 @@ VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet
     st->hit = vm_or(st->hit, found);
 }
 
-VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_ray_frame *f)
+VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_ray_setup *f)
 {
     const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi), unit = vf_set1(f->solid_unit);
     const vm rays = packet_promising(r);
@@ -77,7 +77,7 @@ VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi
     }
 }
 
-VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_ray_frame *f, vf rgb[3])
+VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_ray_setup *f, vf rgb[3])
 {
     const vf3 p = packet_point(r, st->s);
     vf unused;
@@ -91,7 +91,7 @@ VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const v
     shade(f, p, r->direction, g, true, rgb);
 }
 
-VV_INLINE void surface_cubic_packet(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts)
+VV_INLINE void surface_cubic_packet(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f);
     surface_state st = {zero, vm_none(), vm_none(), {zero, zero, zero}, 0};

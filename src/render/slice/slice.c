@@ -149,9 +149,9 @@ static vv_status place(layer *l, const slice_state *s)
 
 static void warn(const vv_scene *scene, vv_job *job)
 {
-    if (scene->n_shapes)
+    if (scene->n_mesh_actors)
         vvi_log(job, VV_LOG_WARNING, "slice", "volumes.%s: is a mesh, which slices do not show",
-                scene->shapes[0].look.id);
+                scene->mesh_actors[0].look.id);
     for (size_t i = 0; i < scene->n_actors; i++)
         if (scene->actors[i].paint.field || scene->actors[i].texture.kind != VV_TEXTURE_NONE)
             vvi_log(job, VV_LOG_WARNING, "slice", "volumes.%s: slices show neither paint nor texture",
@@ -296,7 +296,7 @@ const vv_renderer vvi_renderer_slice = {
     .render = render,
     .finish = finish,
     .solid = solid,
-    .shapes = true,
+    .mesh_actors = true,
     .plane = plane,
     .heeds = heeds,
 };

@@ -16,13 +16,13 @@ typedef enum vvi_slice_way {
     VVI_SLICE_CAMERA /**< at right angles to the line of sight */
 } vvi_slice_way;
 /** Whose axes. */
-typedef enum vvi_slice_frame { VVI_SLICE_OF_WORLD, VVI_SLICE_OF_SAMPLES } vvi_slice_frame;
+typedef enum vvi_slice_plane { VVI_SLICE_OF_WORLD, VVI_SLICE_OF_SAMPLES } vvi_slice_plane;
 
 /** views.<view>.render.slice */
 typedef struct vvi_slice_params {
     vv_object base;
     int orientation; /**< vvi_slice_way */
-    int axes;        /**< vvi_slice_frame */
+    int axes;        /**< vvi_slice_plane */
 } vvi_slice_params;
 
 /* Values ---------------------------------------------------------------------------------------------------------- */

@@ -194,7 +194,7 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
     s->scene = scene;
     warn_of_samples(scene, job);
     const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
-    const size_t shown_bytes = (scene->n_shapes + 1) * sizeof *s->shown;
+    const size_t shown_bytes = (scene->n_mesh_actors + 1) * sizeof *s->shown;
     s->volumes = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
     s->shown = vvi_alloc_zeroed(job, shown_bytes, VVI_MEM_SCRATCH);
     if (!s->volumes || !s->shown)
@@ -274,7 +274,7 @@ static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t
 }
 
 /* With colours by value in the place of the mesh's own; `shown` lives as long as the picture. */
-static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_shape *shape, uint32_t id)
+static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_mesh_actor *shape, uint32_t id)
 {
     *shown = *vv_mesh_get_info(shape->mesh);
     if (shape->colors)
@@ -292,8 +292,8 @@ static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_shape *s
 static vv_status draw_shapes(vvi_gfx *gfx, const vvi_surface_state *s)
 {
     vv_status st = VV_OK;
-    for (size_t i = 0; i < s->scene->n_shapes && st == VV_OK; i++)
-        st = draw_shape(gfx, &s->shown[i], &s->scene->shapes[i], (uint32_t)(s->scene->n_actors + i + 1));
+    for (size_t i = 0; i < s->scene->n_mesh_actors && st == VV_OK; i++)
+        st = draw_shape(gfx, &s->shown[i], &s->scene->mesh_actors[i], (uint32_t)(s->scene->n_actors + i + 1));
     return st;
 }
 
@@ -452,5 +452,5 @@ const vv_renderer vvi_renderer_surface = {
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
     .heeds = vvi_surface_heeds,
-    .shapes = true,
+    .mesh_actors = true,
 };

@@ -1,8 +1,8 @@
 /* Where grids lie, and how boxes are cut for parallel loops. */
 #include "core/vec.h"
 #include "fields.h"
-#include "grid/alike.h"
 #include "grid/field.h"
+#include "grid/same_grid.h"
 #include "grid/slabs.h"
 
 #include <math.h>

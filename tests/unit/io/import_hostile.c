@@ -1,7 +1,7 @@
 /* The import program with one more format, whose reader does what a hostile file might make a reader do. A file of it
  * is "HOSTILE WHEN WHAT": when is "open" or "read". It is 2 x 2 x 2 u8. */
 #include "core/job.h"
-#include "io/import_wire.h"
+#include "import/import_wire.h"
 #include "io/notes.h"
 #include "io/source.h"
 #include "lock.h"

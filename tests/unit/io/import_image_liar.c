@@ -1,7 +1,7 @@
 /* What an import program that an image has taken over might say. The name of the file that it should read says which
  * lie; up to that it says what is right: 3 x 2 pixels with their depth. */
+#include "import/import_image.h"
 #include "import_liar.h"
-#include "io/import_image.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>

@@ -3,7 +3,7 @@
  */
 #ifndef TESTS_IMPORT_LIAR_H
 #define TESTS_IMPORT_LIAR_H
-#include "io/import_wire.h"
+#include "import/import_wire.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>

@@ -1,8 +1,8 @@
 /* What an import program that a mesh has taken over might say. The name of the file that it should read says which lie;
  * up to that it says what is right: a tetrahedron in two parts. */
 #include "grid/mesh.h"
+#include "import/import_mesh.h"
 #include "import_liar.h"
-#include "io/import_mesh.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Output appears whole or not at all. */
+#include "core/allowed_places.h"
 #include "core/memory.h"
-#include "core/places.h"
 #include "fields.h"
 #include "io/sink.h"
 #include "io/sink_folder.h"

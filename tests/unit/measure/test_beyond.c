@@ -1,6 +1,6 @@
 /* Which triangles lie beyond a length of another surface: against planes, spheres and distances of samples. */
 #include "grid/mesh.h"
-#include "measure/beyond.h"
+#include "measure/far_triangles.h"
 #include "meshes.h"
 #include "shapes.h"
 

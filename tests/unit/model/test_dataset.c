@@ -4,7 +4,7 @@
 #include "jobs.h"
 #include "model/context.h"
 #include "model/file_path.h"
-#include "model/frame.h"
+#include "model/placement.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -180,9 +180,9 @@ static void expect_point(vv_vec3 p, double x, double y, double z)
     assert_true(fabs(p.x - x) < 1e-12 && fabs(p.y - y) < 1e-12 && fabs(p.z - z) < 1e-12);
 }
 
-static const vv_frame *frame_of(vv_object *world)
+static const vv_placement *frame_of(vv_object *world)
 {
-    return (const vv_frame *)vv_path_object(world, "volumes.v.place");
+    return (const vv_placement *)vv_path_object(world, "volumes.v.place");
 }
 
 static void a_frame_scales_then_turns_about_x_y_z_then_moves(void **state)
@@ -192,11 +192,11 @@ static void a_frame_scales_then_turns_about_x_y_z_then_moves(void **state)
         world_with("{\"volumes\": {\"v\": {\"place\": {\"position\": [10, 20, 30], \"rotation\": [90, 0, "
                    "90], \"scale\": [2, 3, 4]}}}}");
     /* (1, 1, 1) is scaled to (2, 3, 4), turned about x to (2, -4, 3), about z to (4, 2, 3) */
-    expect_point(vv_affine_point(vvi_frame_matrix(frame_of(world)), (vv_vec3){1, 1, 1}), 14, 22, 33);
+    expect_point(vv_affine_point(vvi_placement_matrix(frame_of(world)), (vv_vec3){1, 1, 1}), 14, 22, 33);
     vv_object_release(world);
     world = world_with("{\"volumes\": {\"v\": {\"place\": {\"position\": [1, 1, 1], \"matrix\": [[0, -1, 0, 5], [1, 0, "
                        "0, 6], [0, 0, 2, 7]]}}}}");
-    expect_point(vv_affine_point(vvi_frame_matrix(frame_of(world)), (vv_vec3){1, 2, 3}), 3, 7, 13);
+    expect_point(vv_affine_point(vvi_placement_matrix(frame_of(world)), (vv_vec3){1, 2, 3}), 3, 7, 13);
     vv_object_release(world);
 }
 

@@ -106,7 +106,7 @@ static void a_mesh_file_becomes_a_world_in_which_it_is_seen(void **state)
     expect_mesh(world, d);
     ok(vv_scene_resolve(&scene, world, NULL, d->job));
     assert_int_equal(scene->n_actors, 0);
-    assert_int_equal(scene->n_shapes, 1);
+    assert_int_equal(scene->n_mesh_actors, 1);
     assert_string_equal(scene->renderer->name, "surface");
     vv_scene_release(scene);
     vv_object_release(&world->base);

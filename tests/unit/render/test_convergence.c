@@ -436,7 +436,7 @@ typedef struct spline {
 static void open_spline(spline *s, const vv_field *field)
 {
     memset(s, 0, sizeof *s);
-    vvi_ray_frame *f = &s->volume.blend.ray;
+    vvi_ray_setup *f = &s->volume.blend.ray;
     const int64_t n = vv_field_get_info(field)->grid.dims[0];
     assert_int_equal(vvi_lattice_open_cubic(&s->volume.hold, field, 0, NULL), VV_OK);
     f->lattice = s->volume.hold.lattice;

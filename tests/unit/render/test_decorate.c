@@ -5,7 +5,7 @@
 #include "jobs.h"
 #include "model/context.h"
 #include "render/decorate/decorate.h"
-#include "render/decorate/nice.h"
+#include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
 #include "scene/resolve.h"

@@ -2,7 +2,7 @@
 #include "fields.h"
 #include "grid/field.h"
 #include "ray_scene.h"
-#include "render/common/halved.h"
+#include "render/common/half_volume.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

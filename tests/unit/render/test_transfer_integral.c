@@ -1,6 +1,6 @@
 /* Integrals of classifications against sums of very many values, and how steep a volume is against its formula. */
 #include "fields.h"
-#include "render/common/spread.h"
+#include "render/common/minmax_spread.h"
 #include "render/common/transfer_integral.h"
 #include "scene/gradient_scale.h"
 #include <math.h>

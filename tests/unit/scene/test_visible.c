@@ -2,7 +2,7 @@
 #include "core/vec.h"
 #include "fields.h"
 #include "jobs.h"
-#include "scene/visible.h"
+#include "scene/visible_volume.h"
 
 #include <math.h>
 #include <setjmp.h>

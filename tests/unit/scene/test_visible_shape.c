@@ -2,7 +2,7 @@
 #include "core/vec.h"
 #include "fail_alloc.h"
 #include "jobs.h"
-#include "scene/visible_shape.h"
+#include "scene/visible_mesh.h"
 #include "shapes.h"
 
 #include <math.h>
@@ -45,11 +45,11 @@ static void points_lie_farthest_out(void **state)
     vv_mesh *const meshes[] = {strip(), test_mesh_sphere((vv_vec3){50, 60, 70}, 10, 4),
                                test_mesh_box(1, 2, 3, (vv_vec3){1e5, 0, 0})};
     for (size_t i = 0; i < 3; i++) {
-        const vv_shape shape = {.mesh = meshes[i], .place = turned};
+        const vv_mesh_actor shape = {.mesh = meshes[i], .place = turned};
         const vv_mesh_info *m = vv_mesh_get_info(meshes[i]);
         vv_vec3 points[VVI_SHAPE_POINTS];
         int n = 0;
-        assert_int_equal(vvi_shape_points(points, &shape, job), VV_OK);
+        assert_int_equal(vvi_visible_mesh_points(points, &shape, job), VV_OK);
         for (int d = 0; d < 729; d++) {
             const vv_vec3 direction = vvi_vec(d % 9 - 4, d / 9 % 9 - 4, d / 81 - 4);
             double most = -INFINITY;
@@ -75,9 +75,9 @@ static void an_empty_mesh_is_a_place(void **state)
     (void)state;
     vv_job *job = test_job(1, 0);
     vv_mesh *none = test_mesh_new(NULL, 0, NULL, 0);
-    const vv_shape shape = {.mesh = none, .place = turned};
+    const vv_mesh_actor shape = {.mesh = none, .place = turned};
     vv_vec3 points[VVI_SHAPE_POINTS];
-    assert_int_equal(vvi_shape_points(points, &shape, job), VV_OK);
+    assert_int_equal(vvi_visible_mesh_points(points, &shape, job), VV_OK);
     assert_true(points[0].x == 100 && points[VVI_SHAPE_POINTS - 1].y == -7);
     vv_mesh_release(none);
     vv_job_release(job);
@@ -94,13 +94,13 @@ static void set(vv_object **world, const char *path, double value)
 /* How far out of the middle the farthest vertex lies in the picture: 1 is its rim. */
 static double fullness(const vv_scene *scene)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(scene->shapes[0].mesh);
+    const vv_mesh_info *m = vv_mesh_get_info(scene->mesh_actors[0].mesh);
     const vv_lens *lens = &scene->lens;
     double most = 0;
     for (size_t k = 0; k < 3 * m->n_triangles; k++) {
         const float *p = m->positions + 3 * (size_t)m->triangles[k];
         const vv_vec3 at = vvi_add(vvi_vec((double)p[0], (double)p[1], (double)p[2]), m->origin);
-        const vv_vec3 d = vvi_sub(vv_affine_point(scene->shapes[0].place, at), lens->eye);
+        const vv_vec3 d = vvi_sub(vv_affine_point(scene->mesh_actors[0].place, at), lens->eye);
         const double depth = lens->parallel ? 1 : vvi_dot(d, lens->forward);
         most = fmax(most, fabs(vvi_dot(d, lens->right)) / depth / lens->half_width);
         most = fmax(most, fabs(vvi_dot(d, lens->up)) / depth / lens->half_height);
@@ -142,9 +142,9 @@ static void a_picture_is_full_from_everywhere(void **state)
 
 static vv_status find(void *user)
 {
-    const vv_shape shape = {.mesh = user, .place = turned};
+    const vv_mesh_actor shape = {.mesh = user, .place = turned};
     vv_vec3 points[VVI_SHAPE_POINTS];
-    return vvi_shape_points(points, &shape, NULL);
+    return vvi_visible_mesh_points(points, &shape, NULL);
 }
 
 static void short_memory_is_an_error(void **state)

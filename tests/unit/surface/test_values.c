@@ -3,7 +3,7 @@
 #include "fields.h"
 #include "jobs.h"
 #include "meshes.h"
-#include "surface/join.h"
+#include "surface/joined_mesh.h"
 #include "surface/marching.h"
 #include "surface/values.h"
 

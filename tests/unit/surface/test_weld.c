@@ -1,7 +1,7 @@
 /* Tiny edges that collapse, surfaces that are cut apart where they touch, vertices at one place told apart. */
 #include "core/memory.h"
-#include "surface/apart.h"
-#include "surface/cut.h"
+#include "surface/place_copies.h"
+#include "surface/self_contacts.h"
 #include "surface/weld.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "io/formats/hdf5/hdf5.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "io/formats/dicom/dicom_contours.h"
 #include "io/notes.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

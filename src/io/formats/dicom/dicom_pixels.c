@@ -4,7 +4,7 @@
 #include "grid/field.h"
 #include "io/formats/dicom/dicom_contours.h"
 #include "io/formats/dicom/dicom_gdcm.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <string.h>
 
 vv_status vvi_dicom_make_room(vvi_dicom_room *room, size_t n, vv_job *job)

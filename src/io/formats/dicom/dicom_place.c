@@ -1,7 +1,7 @@
 /* Where a stack lies: LPS millimetres of the file to RAS, the step from slice to slice from where they really are. */
 #include "io/formats/dicom/dicom_contours.h"
 #include "io/notes.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "grid/field.h"
 #include "io/formats/dicom/dicom.h"
 #include "io/layout.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

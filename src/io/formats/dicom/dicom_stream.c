@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "grid/field.h"
 #include "io/formats/dicom/dicom.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include <math.h>
 #include <string.h>

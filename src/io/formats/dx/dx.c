@@ -1,7 +1,7 @@
 /* OpenDX: which of the two kinds of headers a file is, and what both have in common. */
 #include "io/formats/dx/dx.h"
 #include "core/memory.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "registry.h"
 #include <ctype.h>
 #include <string.h>

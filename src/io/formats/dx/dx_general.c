@@ -1,8 +1,8 @@
 /* .general files: lines of "keyword = values" that say how samples lie in another file. */
 #include "core/memory.h"
 #include "io/formats/dx/dx.h"
-#include "io/keys.h"
-#include "io/samples.h"
+#include "io/header_keys.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <math.h>

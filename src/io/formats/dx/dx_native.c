@@ -1,7 +1,7 @@
 /* .dx files: which array on which grid, and where its data lie. */
 #include "core/memory.h"
 #include "io/formats/dx/dx_objects.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "io/formats/dx/dx_objects.h"
 #include "core/memory.h"
 #include "io/number_text.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include <inttypes.h>
 #include <math.h>

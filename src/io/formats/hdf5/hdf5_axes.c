@@ -8,7 +8,7 @@
 #include "core/units.h"
 #include "io/cf_axes.h"
 #include "io/formats/hdf5/hdf5.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <jansson.h>

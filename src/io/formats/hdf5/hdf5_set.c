@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "io/formats/hdf5/hdf5.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/hdf5/hdf5.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "io/formats/metaimage/metaimage.h"
 #include "core/names.h"
 #include "io/data_files.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <stdio.h>

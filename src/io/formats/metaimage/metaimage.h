@@ -4,7 +4,7 @@
  */
 #ifndef VVI_IO_METAIMAGE_H
 #define VVI_IO_METAIMAGE_H
-#include "io/keys.h"
+#include "io/header_keys.h"
 
 #define VVI_METAIMAGE_AXES 4
 

@@ -2,7 +2,7 @@
  * direction of one index axis. Three letters may say the same once more, each the side that an axis comes from. */
 #include "core/units.h"
 #include "io/formats/metaimage/metaimage.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <math.h>

@@ -4,8 +4,8 @@
 #include "grid/field.h"
 #include "io/coding.h"
 #include "io/formats/metaimage/metaimage.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

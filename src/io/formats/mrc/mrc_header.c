@@ -1,8 +1,8 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "io/formats/mrc/mrc.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 #include "grid/field.h"
 #include "grid/true_values.h"
 #include "io/formats/mrc/mrc.h"
-#include "io/samples.h"
-#include "io/turn.h"
+#include "io/sample_writer.h"
+#include "io/world_order.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * Sizes, types, SPM's scale and SPM's origin are understood as SPM and nibabel do. */
 #include "grid/field.h"
 #include "io/formats/nifti/nifti.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

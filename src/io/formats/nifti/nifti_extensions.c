@@ -6,7 +6,7 @@
 #include "grid/field.h"
 #include "io/formats/nifti/nifti.h"
 #include "io/formats/nifti/nifti_labels.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "core/vec.h"
 #include "grid/field.h"
 #include "io/formats/nifti/nifti.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* The three ways in which NIfTI says where voxels are: https://nifti.nimh.nih.gov/nifti-1 (method 1, 2, 3). */
 #include "io/formats/nifti/nifti.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

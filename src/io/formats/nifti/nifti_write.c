@@ -5,8 +5,8 @@
 #include "io/coding.h"
 #include "io/formats/nifti/nifti.h"
 #include "io/formats/nifti/nifti_labels.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

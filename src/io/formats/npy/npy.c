@@ -10,7 +10,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <ctype.h>

@@ -5,7 +5,7 @@
 #include "grid/crc.h"
 #include "grid/field.h"
 #include "io/formats/npy/npy.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <stdio.h>
 #include <string.h>
 

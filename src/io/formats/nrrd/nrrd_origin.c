@@ -3,7 +3,7 @@
 #include "core/units.h"
 #include "io/formats/nifti/nifti.h"
 #include "io/formats/nrrd/nrrd_lines.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <math.h>

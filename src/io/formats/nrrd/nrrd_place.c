@@ -1,6 +1,6 @@
 /* What the axes of a NRRD are (space, time, components), and where its samples lie in our world. */
 #include "io/formats/nrrd/nrrd.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "grid/label_color.h"
 #include "grid/label_id.h"
 #include "io/formats/nrrd/nrrd.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <inttypes.h>
 #include <math.h>

@@ -5,8 +5,8 @@
 #include "io/formats/nifti/nifti.h"
 #include "io/formats/nrrd/nrrd.h"
 #include "io/numbers.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "io/layout.h"
 #include "io/notes.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* A PNG file in memory to samples as they are stored: grey, colours or colours with alpha, of 8 or 16 bits. */
 #include "io/formats/tiff/tiff.h"
 #include "io/images/png.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <stdio.h>
 #include <string.h>
 

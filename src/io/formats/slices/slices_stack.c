@@ -3,7 +3,7 @@
 #include "core/text.h"
 #include "io/formats/slices/slices.h"
 #include "io/layout.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <string.h>
 #include <strings.h>
 

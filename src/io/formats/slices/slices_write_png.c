@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "io/formats/slices/slices_write.h"
 #include "io/images/png.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 
 typedef struct encoding {
     png_structp png;

@@ -5,7 +5,7 @@
 #include "grid/field.h"
 #include "io/format.h"
 #include "io/formats/slices/slices.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include "registry.h"
 #include <stdlib.h>
 #include <string.h>

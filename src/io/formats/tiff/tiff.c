@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/tiff/tiff_write.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "registry.h"
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/tiff/tiff_read.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <stdio.h>
 #include <string.h>
 

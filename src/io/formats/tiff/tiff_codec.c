@@ -3,7 +3,7 @@
 #include "config.h"
 #include "io/formats/tiff/tiff.h"
 #include "io/inflate.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "io/formats/tiff/tiff.h"
 #include "io/formats/tiff/tiff_write.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <string.h>
 #include <zlib.h>
 #if VV_HAVE_ZSTD

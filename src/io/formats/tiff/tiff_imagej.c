@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/formats/tiff/tiff.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

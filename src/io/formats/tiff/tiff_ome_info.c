@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/formats/tiff/tiff_ome.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "io/formats/tiff/tiff_write.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/tiff/tiff.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 
 /* Reduced copies and masks, as NewSubfileType marks them. */
 static bool is_secondary(const vvi_tiff_page *p)

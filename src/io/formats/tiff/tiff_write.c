@@ -4,8 +4,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/tiff/tiff.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "registry.h"
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "io/formats/tiff/tiff_own.h"
 #include "io/sink.h"
-#include "io/turn.h"
+#include "io/world_order.h"
 
 /** What ImageJ keeps of channels: bytes, and the lengths of their header and of each item. */
 typedef struct vvi_tiff_extras {

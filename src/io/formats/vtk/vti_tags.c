@@ -1,7 +1,7 @@
 /* What stands before the samples of a .vti file. What VTK has no word for is noted in the field data. */
 #include "core/units.h"
 #include "io/formats/vtk/vti_write.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

@@ -5,8 +5,8 @@
 #include "core/units.h"
 #include "io/base64.h"
 #include "io/numbers.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "io/formats/vtk/vtk_block.h"
 #include "io/formats/vtk/vtk_stream.h"
 #include "io/number_text.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <stdio.h>
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #include "core/names.h"
 #include "io/coding.h"
 #include "io/data_files.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include "registry.h"
 #include <ctype.h>

@@ -3,7 +3,7 @@
  */
 #ifndef VVI_IO_VVH_H
 #define VVI_IO_VVH_H
-#include "io/keys.h"
+#include "io/header_keys.h"
 
 vv_status vvi_vvh_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
                         vv_job *job);

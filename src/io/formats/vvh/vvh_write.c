@@ -1,7 +1,7 @@
 #include "core/memory.h"
 #include "io/formats/vvh/vvh.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "io/source.h"
 #include <inttypes.h>
 #include <stdlib.h>

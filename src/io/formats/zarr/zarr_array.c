@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "grid/field.h"
 #include "io/formats/zarr/zarr.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * systems: https://ngff.openmicroscopy.org */
 #include "core/memory.h"
 #include "io/formats/zarr/zarr.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "core/memory.h"
 #include "grid/field.h"
 #include "io/formats/zarr/zarr_write.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <string.h>
 #include <zlib.h>
 #if VV_HAVE_ZSTD

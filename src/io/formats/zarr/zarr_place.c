@@ -2,7 +2,7 @@
 #include "core/units.h"
 #include "io/cf_axes.h"
 #include "io/formats/zarr/zarr.h"
-#include "io/place.h"
+#include "io/placement.h"
 #include "io/scan.h"
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Arrays of Zarr 3: https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html */
 #include "io/formats/zarr/zarr.h"
-#include "io/samples.h"
+#include "io/sample_writer.h"
 #include <string.h>
 
 /* A thing with a name: text, or {"name": ..., "configuration": {...}}. */

@@ -4,8 +4,8 @@
 #include "grid/label_id.h"
 #include "io/channel_colors.h"
 #include "io/formats/zarr/zarr_write.h"
-#include "io/place.h"
-#include "io/samples.h"
+#include "io/placement.h"
+#include "io/sample_writer.h"
 #include "io/scan.h"
 #include <inttypes.h>
 #include <math.h>

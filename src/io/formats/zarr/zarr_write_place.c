@@ -3,8 +3,8 @@
  * have least of it in the wrong place; VolVis' own attributes say how it lies. */
 #include "core/job.h"
 #include "io/formats/zarr/zarr_write.h"
-#include "io/place.h"
-#include "io/turn.h"
+#include "io/placement.h"
+#include "io/world_order.h"
 
 /* A step that strays less than this from its axis is along it: far below what positions are known to. */
 #define STRAIGHT 1e-12

@@ -1,0 +1,293 @@
+/* One mesh of the World as renderers see it. */
+#include "core/cache.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "grid/label_color.h"
+#include "grid/mesh.h"
+#include "grid/mesh_normals.h"
+#include "scene/resolve.h"
+#include "scene/transfer.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <volvis/image.h>
+
+/* Where a triangle leans more than this from the mean around one of its corners there is an edge that is to be seen:
+ * cosine of 45 degrees. */
+#define CREASE 0.70710678f
+
+/* Normals --------------------------------------------------------------------------------------------------------- */
+
+static void sub3(float out[3], const float *a, const float *b)
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[k] - b[k];
+}
+
+static float dot3(const float a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Corners of sharp edges lose their normals, so that triangles there are flat and not rounded. */
+static vv_status find_creases(float *normals, const vv_mesh_info *m, vv_job *job)
+{
+    uint8_t *sharp = vvi_alloc_zeroed(job, m->n_vertices + 1, VVI_MEM_SCRATCH);
+    if (!sharp)
+        return vv_fail_memory(m->n_vertices + 1);
+    for (size_t t = 0; t < m->n_triangles; t++) {
+        const uint32_t *v = m->triangles + 3 * t;
+        const float *p = m->positions + 3 * (size_t)v[0];
+        float a[3], b[3];
+        sub3(a, m->positions + 3 * (size_t)v[1], p);
+        sub3(b, m->positions + 3 * (size_t)v[2], p);
+        const float n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        const float length = sqrtf(dot3(n, n));
+        for (int k = 0; k < 3 && length > 0; k++)
+            sharp[v[k]] |= dot3(n, normals + 3 * (size_t)v[k]) < CREASE * length;
+    }
+    for (size_t i = 0; i < m->n_vertices; i++)
+        if (sharp[i])
+            memset(normals + 3 * i, 0, 3 * sizeof *normals);
+    vvi_free(sharp);
+    return VV_OK;
+}
+
+static vv_status make_normals(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const vv_mesh *mesh = user;
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const unsigned with = VVI_MESH_NORMALS | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
+    vvi_mesh_arrays a;
+    vv_mesh *copy = NULL;
+    vv_status st = vvi_mesh_copy(&copy, &a, mesh, with, job);
+    if (st == VV_OK)
+        st = vvi_normals_of(a.normals, a.positions, m->n_vertices, a.triangles, m->n_triangles, job);
+    if (st == VV_OK)
+        st = find_creases(a.normals, vv_mesh_get_info(copy), job);
+    if (st != VV_OK) {
+        vv_mesh_release(copy);
+        return st;
+    }
+    *value_out = copy;
+    *bytes_out = vvi_mesh_bytes(copy);
+    return VV_OK;
+}
+
+static void drop_mesh(void *mesh)
+{
+    vv_mesh_release(mesh);
+}
+
+/* A mesh without normals gets some, which are kept. */
+static vv_status add_normals(vv_mesh **mesh, vv_job *job)
+{
+    vvi_cached *cached;
+    if (vv_mesh_get_info(*mesh)->normals)
+        return VV_OK;
+    const vvi_cache_key key = {"mesh normals", 0, vv_mesh_checksum(*mesh)};
+    const vv_status st = vvi_cache_get(&cached, &key, make_normals, drop_mesh, *mesh, job);
+    if (st != VV_OK)
+        return st;
+    vv_mesh_release(*mesh);
+    *mesh = vv_mesh_retain(vvi_cached_value(cached));
+    vvi_cache_release(cached);
+    return VV_OK;
+}
+
+/* Colours --------------------------------------------------------------------------------------------------------- */
+
+static bool has_colors(const vv_mesh_info *m)
+{
+    for (size_t i = 0; i < m->n_parts; i++)
+        if (m->parts[i].color.a >= 0)
+            return true;
+    return m->colors;
+}
+
+static void range_of(double *lo, double *hi, const vv_mesh_info *m)
+{
+    *lo = INFINITY;
+    *hi = -INFINITY;
+    for (size_t i = 0; i < m->n_vertices; i++) {
+        const double v = (double)m->values[i];
+        if (!isfinite(v))
+            continue;
+        *lo = fmin(*lo, v);
+        *hi = fmax(*hi, v);
+    }
+    if (!(*lo <= *hi))
+        *lo = *hi = 0;
+}
+
+/* Whether three in four vertices have one value, such as the intensity of a range scanner that did not measure it: a
+ * colour that says nothing. Not where it is 0, around places that stand out in a map of activation. The only value that
+ * can be that of so many is found by votes (Boyer and Moore 1981). */
+static bool mostly_constant(const vv_mesh_info *m)
+{
+    float most = 0;
+    size_t votes = 0, n = 0;
+    for (size_t i = 0; i < m->n_vertices; i++) {
+        if (votes == 0)
+            most = m->values[i];
+        votes += m->values[i] == most ? 1 : votes > 0 ? (size_t)-1 : 0;
+    }
+    for (size_t i = 0; i < m->n_vertices; i++)
+        n += m->values[i] == most;
+    return most != 0 && n >= m->n_vertices - m->n_vertices / 4;
+}
+
+/* Vertices without a value are of the volume's own colour. */
+static vv_status color_vertices(vv_mesh_actor *shape, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    vv_classification classes = shape->look.classes;
+    uint8_t *colors = vvi_alloc(job, 4 * m->n_vertices + 4, VVI_MEM_DERIVED);
+    classes.kind = VV_SEGMENT_TRANSFER;
+    classes.opacity_length = 1;
+    shape->colors = colors;
+    if (!colors)
+        return vv_fail_memory(4 * m->n_vertices);
+    for (size_t i = 0; i < m->n_vertices; i++) {
+        double rgbk[4];
+        vvi_transfer_evaluate(rgbk, &classes, (double)m->values[i]);
+        for (int c = 0; c < 3; c++) {
+            const double linear = isnan(m->values[i]) ? (double)shape->look.color[c] : rgbk[c];
+            colors[4 * i + (size_t)c] = (uint8_t)(255 * vv_srgb_encode(fmin(fmax(linear, 0), 1)) + 0.5);
+        }
+        colors[4 * i + 3] = 255;
+    }
+    return VV_OK;
+}
+
+/* A transfer function that was given, the colour that was, those of the mesh, its values by a colour map where they
+ * tell vertices apart, and else the colour that all have. */
+static vv_status resolve_colors(vv_mesh_actor *shape, vvi_cast *cast, vv_job *job)
+{
+    const vv_object *transfer = ((const vv_segmentation *)cast->volume->segmentation)->transfer;
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const bool asked = vv_object_is_set(transfer, "color") || vv_object_is_set(transfer, "colormap") ||
+                       vv_object_is_set(transfer, "preset") || vv_object_is_set(transfer, "range_lo") ||
+                       vv_object_is_set(transfer, "range_hi");
+    const bool colored = vv_object_is_set(&cast->volume->base, "color");
+    double lo, hi;
+    shape->opacity = cast->volume->color.a;
+    shape->one_color = colored && !(asked && m->values);
+    if (asked && !m->values)
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "%s.segmentation.transfer: the mesh has no values at its vertices, so these colours are not used",
+                cast->path);
+    if (!m->values || shape->one_color || (!asked && (has_colors(m) || mostly_constant(m))))
+        return VV_OK;
+    range_of(&lo, &hi, m);
+    const vv_status st = vvi_resolve_value_colors(cast, lo, hi, m->value_unit, job);
+    return st == VV_OK ? color_vertices(shape, job) : st;
+}
+
+/* Parts that are shown in the colour that all have: those of several, or the whole. */
+static size_t count_plain(const vv_mesh_actor *shape)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    size_t n = 0;
+    if (shape->one_color || shape->colors || m->colors)
+        return 0;
+    for (size_t i = 0; i < m->n_parts; i++)
+        n += m->parts[i].color.a < 0;
+    return m->n_parts ? n : 1;
+}
+
+static vv_color next_color(int64_t *n_given)
+{
+    double rgb[3];
+    vvi_label_color(rgb, ++*n_given);
+    return (vv_color){rgb[0], rgb[1], rgb[2], 1};
+}
+
+static vv_status color_parts(vv_mesh_actor *shape, int64_t *n_given, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const size_t bytes = m->n_parts * sizeof *m->parts;
+    vv_mesh_part *parts = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
+    shape->parts = parts;
+    if (!parts)
+        return vv_fail_memory(bytes);
+    memcpy(parts, m->parts, bytes);
+    for (size_t i = 0; i < m->n_parts; i++)
+        if (parts[i].color.a < 0)
+            parts[i].color = next_color(n_given);
+    return VV_OK;
+}
+
+vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job)
+{
+    vv_status st = VV_OK;
+    size_t n = 0;
+    int64_t n_given = 0;
+    for (size_t i = 0; i < scene->n_mesh_actors; i++)
+        n += count_plain(&scene->mesh_actors[i]);
+    for (size_t i = 0; i < scene->n_mesh_actors && n > 1 && st == VV_OK; i++) {
+        vv_mesh_actor *shape = &scene->mesh_actors[i];
+        if (!count_plain(shape))
+            continue;
+        if (vv_mesh_get_info(shape->mesh)->n_parts > 1) {
+            st = color_parts(shape, &n_given, job);
+            continue;
+        }
+        const vv_color c = next_color(&n_given);
+        shape->look.color[0] = (float)c.r, shape->look.color[1] = (float)c.g, shape->look.color[2] = (float)c.b;
+    }
+    return st;
+}
+
+/* The whole ------------------------------------------------------------------------------------------------------- */
+
+static vv_status load(vv_mesh_actor *shape, double *load_s, const vv_world *world, const vv_volume *volume,
+                      const char *path, vv_job *job)
+{
+    const double start = vvi_render_clock();
+    const vv_dataset *dataset;
+    vv_status st = vvi_find_dataset(&dataset, world, volume, path);
+    if (st == VV_OK)
+        st = vv_dataset_mesh(&shape->mesh, world, dataset, job);
+    if (st != VV_OK)
+        return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s", path);
+    *load_s += vvi_render_clock() - start;
+    return add_normals(&shape->mesh, job);
+}
+
+vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_world *world, const char *id,
+                                 const vv_volume *volume, vv_job *job)
+{
+    char path[256];
+    vv_affine data_to_world;
+    vv_actor *look = &shape->look;
+    vv_status st;
+    snprintf(path, sizeof path, "volumes.%s", id);
+    look->id = id;
+    if ((st = load(shape, load_s, world, volume, path, job)) != VV_OK ||
+        (st = vvi_place_data(&shape->place, &data_to_world, vv_affine_identity(), vv_mesh_get_info(shape->mesh)->unit,
+                             world, volume, path)) != VV_OK ||
+        (st = vvi_resolve_planes(look, world, volume, &data_to_world, path, job)) != VV_OK)
+        return st;
+    vvi_resolve_shading(look, world, volume);
+    vvi_cast cast = {.world = world, .volume = volume, .actor = look, .path = path};
+    return resolve_colors(shape, &cast, job);
+}
+
+void vvi_shape_corners(vv_vec3 out[8], const vv_mesh_actor *shape)
+{
+    vv_bounds box = vv_mesh_bounds(shape->mesh);
+    if (!(box.lo.x <= box.hi.x)) /* no vertices */
+        box = (vv_bounds){0};
+    for (int c = 0; c < 8; c++)
+        out[c] = vv_affine_point(shape->place, (vv_vec3){c & 1 ? box.hi.x : box.lo.x, c & 2 ? box.hi.y : box.lo.y,
+                                                         c & 4 ? box.hi.z : box.lo.z});
+}
+
+void vvi_shape_finish(vv_mesh_actor *shape)
+{
+    vvi_actor_finish(&shape->look);
+    vv_mesh_release(shape->mesh);
+    vvi_free((void *)shape->colors);
+    vvi_free((void *)shape->parts);
+}
