@@ -137,7 +137,8 @@ class Page:
 
     def fail(self, why):
         if not self.closed:
-            self.crowd.errors.append(f"page {self.number}: {why}")
+            if self.rate != 0:  # one that reads nothing is to be ended
+                self.crowd.errors.append(f"page {self.number}: {why}")
             self.closed = True
             self.crowd.drop(self)
 
