@@ -33,7 +33,7 @@ static void NAME(sum)(void *out, const void *const *rows, const vvi_gaussian_wei
 #define CONVERT(ctype)                                                                                                 \
     for (int64_t at = 0; at < n; at += STEP) {                                                                         \
         ctype v[STEP];                                                                                                 \
-        take(v, in + at * (int64_t)sizeof *v, (size_t)(n - at), sizeof *v);                                            \
+        take(v, in + at * (int64_t)sizeof *v, n - at, sizeof *v);                                                      \
         for (int i = 0; i < STEP; i++)                                                                                 \
             out[at + i] = (REAL)v[i];                                                                                  \
     }                                                                                                                  \

@@ -1,22 +1,10 @@
 #include "filter/gaussian_kernel.h"
-#include "core/simd.h"
+#include "filter/blocks.h"
 
 enum {
     VECTOR_BYTES = VV_WIDTH > 4 ? 4 * VV_WIDTH : 16, /* two doubles at least */
     VECTORS = 4,                                     /* that are worked on at once: none waits for another */
-    STEP = 64                                        /* turns of inner loops: a constant, so that they become vectors */
 };
-
-/* STEP samples of which `n` are there; the others are 0. */
-VV_INLINE void take(void *out, const char *in, size_t n, size_t each)
-{
-    if (n >= STEP) {
-        memcpy(out, in, STEP * each);
-    } else {
-        memset(out, 0, STEP * each);
-        memcpy(out, in, n * each);
-    }
-}
 
 #define REAL float
 #define NAME(x) x##_f32
@@ -39,7 +27,7 @@ VV_INLINE void take(void *out, const char *in, size_t n, size_t each)
             const int32_t whole = (int32_t)((row[at + i] + magic) - magic);                                            \
             v[i] = (ctype)(whole < (lo) ? (lo) : whole > (hi) ? (hi) : whole);                                         \
         }                                                                                                              \
-        memcpy(out + at * (int64_t)sizeof *v, v, (size_t)(n - at < STEP ? n - at : STEP) * sizeof *v);                 \
+        give(out + at * (int64_t)sizeof *v, v, n - at, sizeof *v);                                                     \
     }                                                                                                                  \
     break
 
