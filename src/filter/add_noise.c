@@ -1,8 +1,10 @@
 /* Add noise: what detectors add to values, from a generator without a state: the noise of a sample depends on the seed
  * and the number of the sample alone. */
+#include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/amounts.h"
+#include "filter/normals_kernel.h"
 #include "grid/making.h"
 #include "registry.h"
 
@@ -10,6 +12,7 @@
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 14)
+#define ROW 512 /* normal numbers that are made at once */
 #define TWO_PI 6.283185307179586
 
 typedef struct add_noise_params {
@@ -70,16 +73,20 @@ static uint64_t mixed(uint64_t v)
     return v ^ v >> 31;
 }
 
+static uint64_t mixed_seed(uint64_t seed)
+{
+    return mixed(seed * VVI_NORMALS_STEP + 1);
+}
+
 static draws draws_of(uint64_t seed, uint64_t sample)
 {
-    const uint64_t step = 0x9e3779b97f4a7c15;
-    return (draws){mixed(mixed(seed * step + 1) + (sample + 1) * step), 0};
+    return (draws){mixed(mixed_seed(seed) + (sample + 1) * VVI_NORMALS_STEP), 0};
 }
 
 /* In (0, 1]. */
 static double next_unit(draws *d)
 {
-    const uint64_t bits = mixed(d->key + ++d->n * 0x9e3779b97f4a7c15);
+    const uint64_t bits = mixed(d->key + ++d->n * VVI_NORMALS_STEP);
     return (double)((bits >> 11) + 1) * 0x1p-53;
 }
 
@@ -146,6 +153,7 @@ typedef struct shared {
     const add_noise_params *params;
     const vv_field_info *info;
     char pepper[8], salt[8];
+    const vvi_normals_kernels *kernels;
     vv_job *job;
 } shared;
 
@@ -176,15 +184,6 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return find_ends(pepper, salt, &inputs[0], (const add_noise_params *)params);
 }
 
-static double noisy(double v, const add_noise_params *p, draws *d)
-{
-    double normals[2];
-    if (p->kind == POISSON)
-        return next_counts(v * p->counts, d) / p->counts;
-    next_normals(normals, d);
-    return p->kind == RICIAN ? hypot(v + p->sigma * normals[0], p->sigma * normals[1]) : v + p->sigma * normals[0];
-}
-
 static vv_status start(void **scratch_out, void *user, int worker)
 {
     const shared *s = user;
@@ -198,15 +197,42 @@ static void finish(void *scratch, void *user)
     vvi_free(scratch);
 }
 
+static void add_normals(double *values, const shared *s, uint64_t first, int64_t n)
+{
+    const double sigma = s->params->sigma;
+    double a[ROW + VVI_NORMALS_GUARD], b[ROW + VVI_NORMALS_GUARD];
+    s->kernels->make(a, b, mixed_seed((uint64_t)s->params->seed), first, n);
+    if (s->params->kind == GAUSSIAN)
+        for (int64_t i = 0; i < n; i++)
+            values[i] += sigma * a[i];
+    else
+        for (int64_t i = 0; i < n; i++)
+            values[i] = hypot(values[i] + sigma * a[i], sigma * b[i]);
+}
+
+static void count_events(double *values, const shared *s, uint64_t first, int64_t n)
+{
+    for (int64_t i = 0; i < n; i++) {
+        draws d = draws_of((uint64_t)s->params->seed, first + (uint64_t)i);
+        values[i] = next_counts(values[i] * s->params->counts, &d) / s->params->counts;
+    }
+}
+
 /* `first`: the number of its first sample among all of the volume and its time steps. */
 static void add_to_row(char *out, double *row, const char *in, const shared *s, uint64_t first, size_t n)
 {
     const double scale = s->info->value_scale, offset = s->info->value_offset;
+    double values[ROW];
     vvi_samples_to_f64(row, in, s->info->type, n);
-    for (size_t i = 0; i < n; i++) {
-        draws d = draws_of((uint64_t)s->params->seed, first + i);
-        if (!isnan(row[i]))
-            row[i] = (noisy(row[i] * scale + offset, s->params, &d) - offset) / scale;
+    for (size_t at = 0; at < n; at += ROW) {
+        const int64_t now = (int64_t)(n - at < ROW ? n - at : ROW);
+        for (int64_t i = 0; i < now; i++)
+            values[i] = row[at + (size_t)i] * scale + offset;
+        (s->params->kind == POISSON ? count_events : add_normals)(values, s, first + at, now);
+        for (int64_t i = 0; i < now; i++) {
+            const double was = row[at + (size_t)i], v = (values[i] - offset) / scale;
+            row[at + (size_t)i] = isnan(was) ? was : v;
+        }
     }
     vvi_samples_from_f64(out, row, s->info->type, n);
 }
@@ -252,6 +278,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     shared s = {.making = {.in = inputs[0], .slabs = vvi_slabs_of(box, ITEM_SAMPLES)},
                 .params = (const add_noise_params *)params,
                 .info = info,
+                .kernels = vvi_normals_kernels_for(vvi_job_cpu(job)),
                 .job = job};
     vv_field_info same;
     vv_status st = plan(&same, info, 1, params);

@@ -1,19 +1,29 @@
-/* Gaussian smoothing, separable: x and y slice by slice, then z plane by plane.
+/* Gaussian smoothing, separable. A worker has some rows of all slices: x and y are done slice by slice, into a ring
+ * that holds as many slices as z needs, so that the volume is read once and written once.
  *
  * Samples that are not finite count as missing: they stay what they are, and their neighbours are the mean of what is
  * there (normalised convolution, Knutsson & Westin 1993): smoothed samples over the smoothed mask. */
+#include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "filter/gaussian_lines.h"
+#include "filter/gaussian_kernel.h"
 #include "filter/sigma.h"
+#include "filter/window.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 #define CUT 4.0           /* sigmas that the kernel reaches: 6e-5 of its weight lies beyond */
 #define SIGMA_MOST 1024.0 /* voxels: beyond, the work of one row is no longer done within the time to cancel */
+
+#define PIECE 256                     /* numbers of all slices of a ring that stay in the first-level cache */
+#define TILE_BYTES ((int64_t)1 << 15) /* of a slice in the ring: all of them stay in the second-level cache */
+#define RING_BYTES ((int64_t)1 << 26) /* of all slices, at most */
+#define CHUNK 16                      /* slices that are done at once */
+#define ROWS_LEAST 16                 /* of a slice in the ring: x is done twice of those that y reaches beyond */
+#define ITEMS 4                       /* at least, where there is room: one thread does not wait for the other */
 
 static const vv_property properties[] = {VVI_SIGMA_PROPERTIES, {0}};
 
@@ -58,188 +68,314 @@ static vv_status make_weights(vvi_gaussian_weights *out, double sigma, vv_job *j
     return VV_OK;
 }
 
+enum { SAMPLES, MASK, PARTS };
+
 typedef struct shared {
-    const vv_field *in;
+    vvi_making making;
     const vv_field_info *info;
-    char *out;
-    char *part[2]; /* x and y done: samples, mask (NULL while all are finite) */
-    bool wide;     /* numbers are doubles */
-    vvi_gaussian_source source;
+    const vvi_gaussian_kernels *kernels;
+    bool wide; /* numbers are doubles */
     vvi_gaussian_weights weights[3];
-    _Atomic bool odd;
-    int64_t row, plane; /* numbers */
+    int64_t slices; /* of the ring */
     vv_job *job;
 } shared;
 
-static size_t number_bytes(const shared *s)
+/* A worker's own: numbers of the samples, and of the mask where something is missing. */
+typedef struct scratch {
+    char *row[PARTS];    /* with a margin along x */
+    char *lines[PARTS];  /* rows of a slice that x is done of, with a margin along y */
+    char *ring[PARTS];   /* slices that x and y are done of */
+    char *result[PARTS]; /* a piece of the result */
+    const void **rows;   /* that a sum is made of */
+    bool masked;         /* something is missing in this item so far */
+} scratch;
+
+/* Some rows of all slices of an item. */
+typedef struct tile {
+    vv_box box;
+    int64_t n; /* numbers of a row */
+    char *out; /* of the first */
+} tile;
+
+static int64_t larger(int64_t a, int64_t b)
 {
-    return s->wide ? sizeof(double) : sizeof(float);
+    return a > b ? a : b;
 }
 
-static vv_status start_slices(void **scratch_out, void *user, int worker)
+static int64_t smaller(int64_t a, int64_t b)
 {
-    (void)worker;
+    return a < b ? a : b;
+}
+
+static int64_t number_bytes(const shared *s)
+{
+    return s->wide ? (int64_t)sizeof(double) : (int64_t)sizeof(float);
+}
+
+static int64_t row_numbers(const shared *s)
+{
+    return (s->making.slabs.step[0] + 2 * s->weights[0].radius) * s->info->components;
+}
+
+static int64_t line_numbers(const shared *s)
+{
+    return s->making.slabs.step[0] * s->info->components * (s->making.slabs.step[1] + 2 * s->weights[1].radius);
+}
+
+static int64_t slice_numbers(const shared *s)
+{
+    return s->making.slabs.step[0] * s->info->components * s->making.slabs.step[1] + VVI_GAUSSIAN_GUARD;
+}
+
+static void finish(void *scratch_in, void *user)
+{
+    scratch *own = scratch_in;
+    if (!own)
+        return;
+    for (int p = 0; p < PARTS; p++) {
+        vvi_free(own->row[p]);
+        vvi_free(own->lines[p]);
+        vvi_free(own->ring[p]);
+        vvi_free(own->result[p]);
+    }
+    vvi_free(own->rows);
+    vvi_free(own);
+}
+
+static vv_status make_numbers(char **out, const shared *s, int64_t n)
+{
+    const size_t bytes = (size_t)((n + VVI_GAUSSIAN_GUARD) * number_bytes(s));
+    if (!*out)
+        *out = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
+    return *out ? VV_OK : vv_fail_memory(bytes);
+}
+
+static vv_status make_part(scratch *own, const shared *s, int part)
+{
+    vv_status st = make_numbers(&own->lines[part], s, line_numbers(s));
+    if (st == VV_OK)
+        st = make_numbers(&own->ring[part], s, slice_numbers(s) * s->slices);
+    return st == VV_OK
+               ? make_numbers(&own->result[part], s, larger(PIECE, s->making.slabs.step[0] * s->info->components))
+               : st;
+}
+
+static vv_status start(void **scratch_out, void *user, int worker)
+{
     const shared *s = user;
-    const int64_t *d = s->info->grid.dims;
-    const size_t bytes = vvi_gaussian_slice_room(d[0], d[1], s->info->components, &s->weights[0]) * number_bytes(s);
-    *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
-    return *scratch_out ? VV_OK : vv_fail_memory(bytes);
-}
-
-static void finish_any(void *scratch, void *user)
-{
-    (void)user;
-    vvi_free(scratch);
-}
-
-static vv_status slice_item(void *scratch, void *user, size_t index)
-{
-    shared *s = user;
-    const int64_t *d = s->info->grid.dims;
-    const vv_box box = {{0, 0, (int64_t)index}, {d[0], d[1], 1}};
-    char *out = s->part[s->source] + index * (size_t)s->plane * number_bytes(s);
-    bool odd = false;
-    vv_brick brick;
-    vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
-    if (st != VV_OK)
-        return st;
-    if (s->wide)
-        st = vvi_gaussian_slice_f64((double *)(void *)out, &odd, scratch, &brick, s->source, &s->weights[0],
-                                    &s->weights[1], s->job);
+    const size_t rows =
+        (size_t)(2 * larger(s->weights[0].radius, larger(s->weights[1].radius, s->weights[2].radius)) + 1) *
+        sizeof(void *);
+    scratch *own = vvi_alloc_zeroed(s->job, sizeof *own, VVI_MEM_SCRATCH);
+    if (!own)
+        return vv_fail_memory(sizeof *own);
+    own->rows = vvi_alloc(s->job, rows, VVI_MEM_SCRATCH);
+    vv_status st = own->rows ? make_part(own, s, SAMPLES) : vv_fail_memory(rows);
+    for (int p = 0; p < PARTS && st == VV_OK; p++)
+        st = make_numbers(&own->row[p], s, row_numbers(s));
+    if (st == VV_OK)
+        *scratch_out = own;
     else
-        st = vvi_gaussian_slice_f32((float *)(void *)out, &odd, scratch, &brick, s->source, &s->weights[0],
-                                    &s->weights[1], s->job);
-    vv_brick_release(&brick);
-    if (odd)
-        atomic_store_explicit(&s->odd, true, memory_order_relaxed);
+        finish(own, user);
     return st;
 }
 
-/* Planes of constant y: the samples, the mask and one row of either result. */
-static vv_status start_planes(void **scratch_out, void *user, int worker)
+static void fill_ones(char *out, const shared *s, int64_t n)
 {
-    (void)worker;
-    const shared *s = user;
-    const size_t numbers = (size_t)(s->row * (s->info->grid.dims[2] * (s->part[1] ? 2 : 1) + 2));
-    *scratch_out = vvi_alloc(s->job, numbers * number_bytes(s), VVI_MEM_SCRATCH);
-    return *scratch_out ? VV_OK : vv_fail_memory(numbers * number_bytes(s));
+    for (int64_t i = 0; i < n; i++)
+        if (s->wide)
+            ((double *)(void *)out)[i] = 1;
+        else
+            ((float *)(void *)out)[i] = 1;
 }
 
-static void gather_plane(char *out, const char *part, const shared *s, size_t j)
+/* Up to here nothing was missing: what a mask of ones comes to is exactly 1. */
+static vv_status begin_mask(scratch *own, const shared *s)
 {
-    const size_t row = (size_t)s->row * number_bytes(s), plane = (size_t)s->plane * number_bytes(s);
-    for (int64_t k = 0; k < s->info->grid.dims[2]; k++)
-        memcpy(out + (size_t)k * row, part + (size_t)k * plane + j * row, row);
-}
-
-static void smooth_row(char *out, const char *plane, int64_t k, const shared *s)
-{
-    const int64_t n = s->info->grid.dims[2];
-    if (s->wide)
-        vvi_gaussian_row_f64((double *)(void *)out, (const double *)(const void *)plane, k, n, s->row, s->row,
-                             &s->weights[2]);
-    else
-        vvi_gaussian_row_f32((float *)(void *)out, (const float *)(const void *)plane, k, n, s->row, s->row,
-                             &s->weights[2]);
-}
-
-#define RUN 1024
-
-static double number_at(const char *row, int64_t i, bool wide)
-{
-    return wide ? ((const double *)(const void *)row)[i] : (double)((const float *)(const void *)row)[i];
-}
-
-static void store_row(char *out, const char *row, const char *mask, const shared *s)
-{
-    const size_t each = vv_type_bytes(s->info->type);
-    double run[RUN];
-    for (int64_t at = 0; at < s->row; at += RUN) {
-        const int64_t now = s->row - at < RUN ? s->row - at : RUN;
-        for (int64_t i = 0; i < now; i++) {
-            const double v = number_at(row, at + i, s->wide);
-            run[i] = mask ? v / number_at(mask, at + i, s->wide) : v;
-        }
-        vvi_samples_from_f64(out + (size_t)at * each, run, s->info->type, (size_t)now);
-    }
-}
-
-/* Missing samples stay as they were. */
-static vv_status restore_row(char *out, int64_t j, int64_t k, const shared *s)
-{
-    const vv_box box = {{0, j, k}, {s->info->grid.dims[0], 1, 1}};
-    const size_t each = vv_type_bytes(s->info->type);
-    vv_brick brick;
-    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
+    const vv_status st = make_part(own, s, MASK);
     if (st != VV_OK)
         return st;
-    for (int64_t i = 0; i < s->row; i++) {
-        double v;
-        const char *in = (const char *)brick.data + (size_t)i * each;
-        vvi_samples_to_f64(&v, in, s->info->type, 1);
-        if (!isfinite(v))
-            memcpy(out + (size_t)i * each, in, each);
-    }
-    vv_brick_release(&brick);
+    own->masked = true;
+    fill_ones(own->lines[MASK], s, line_numbers(s));
+    fill_ones(own->ring[MASK], s, slice_numbers(s) * s->slices);
     return VV_OK;
 }
 
-static vv_status plane_item(void *scratch, void *user, size_t index)
+/* n numbers of the result along an axis whose rows are `step` numbers apart, the first of them at `rows`. */
+static void sum_rows(char *out, scratch *own, const shared *s, const char *rows, int axis, int64_t step, int64_t n)
 {
-    const shared *s = user;
-    const int64_t nz = s->info->grid.dims[2], j = (int64_t)index;
-    const size_t row = (size_t)s->row * number_bytes(s);
-    char *result = scratch, *mask_result = result + row, *plane = mask_result + row;
-    char *mask_plane = plane + (size_t)nz * row;
-    gather_plane(plane, s->part[0], s, index);
-    if (s->part[1])
-        gather_plane(mask_plane, s->part[1], s, index);
-    vv_status st = VV_OK;
-    for (int64_t k = 0; k < nz && st == VV_OK; k++) {
-        char *out = s->out + (size_t)(k * s->plane + j * s->row) * vv_type_bytes(s->info->type);
-        smooth_row(result, plane, k, s);
-        if (s->part[1])
-            smooth_row(mask_result, mask_plane, k, s);
-        store_row(out, result, s->part[1] ? mask_result : NULL, s);
-        if (s->part[1])
-            st = restore_row(out, j, k, s);
-        if (st == VV_OK)
-            st = vvi_job_poll(s->job);
+    for (int64_t r = 0; r <= 2 * s->weights[axis].radius; r++)
+        own->rows[r] = rows + r * step * number_bytes(s);
+    s->kernels->sum[s->wide](out, own->rows, &s->weights[axis], n);
+}
+
+/* Margins repeat the samples at the ends: `before` numbers and those behind, of `step` components. */
+static void repeat_ends(char *row, int64_t before, int64_t n, int64_t behind, int64_t step, int64_t bytes)
+{
+    char *first = row + before * bytes, *last = first + (n - step) * bytes;
+    for (int64_t i = 0; i < before; i += step)
+        memcpy(row + i * bytes, first, (size_t)(step * bytes));
+    for (int64_t i = 0; i < behind; i += step)
+        memcpy(last + (i + step) * bytes, last, (size_t)(step * bytes));
+}
+
+/* Row (y, z) of the input, smoothed along x, as line number `line`. */
+static vv_status smooth_row(scratch *own, const shared *s, const tile *t, int64_t y, int64_t z, int64_t line)
+{
+    const vv_brick *b = &s->making.brick;
+    const int64_t step = s->info->components, bytes = number_bytes(s), reach = s->weights[0].radius;
+    const int64_t from = t->box.lo[0] - reach, to = t->box.lo[0] + t->box.n[0] + reach;
+    const int64_t lo = larger(from, b->box.lo[0]), hi = smaller(to, b->box.lo[0] + b->box.n[0]);
+    const int64_t before = (lo - from) * step, n = (hi - lo) * step, behind = (to - hi) * step;
+    const char *in = (const char *)b->data + (lo - b->box.lo[0]) * b->stride[0] + (y - b->box.lo[1]) * b->stride[1] +
+                     (z - b->box.lo[2]) * b->stride[2];
+    bool all = true;
+    s->kernels->load[s->wide](own->row[SAMPLES] + before * bytes, in, b->type, n);
+    if (vv_type_is_float(b->type))
+        all = s->kernels->finite[s->wide](own->row[SAMPLES] + before * bytes, own->row[MASK] + before * bytes, n);
+    vv_status st = all || own->masked ? VV_OK : begin_mask(own, s);
+    for (int p = 0; p <= own->masked && st == VV_OK; p++) {
+        char *out = own->lines[p] + line * t->n * bytes;
+        repeat_ends(own->row[p], before, n, behind, step, bytes);
+        if (p == MASK && all)
+            fill_ones(out, s, t->n);
+        else
+            sum_rows(out, own, s, own->row[p], 0, step, t->n);
     }
     return st;
 }
 
-/* Floats and doubles have their x and y done in place of the result; others need numbers beside it. */
-static bool in_place(const shared *s)
+static char *ring_at(const scratch *own, const shared *s, int part, int64_t z)
 {
-    return vv_type_is_float(s->info->type);
+    return own->ring[part] + (z - s->making.brick.box.lo[2]) % s->slices * slice_numbers(s) * number_bytes(s);
 }
 
-static vv_status smooth(shared *s)
+/* Slice z of the input, smoothed along x and y, comes to its place in the ring. */
+static vv_status smooth_slice(scratch *own, const shared *s, const tile *t, int64_t z)
 {
-    static const vvi_work slices = {
-        .stage = "smooth x, y", .start = start_slices, .item = slice_item, .finish = finish_any};
-    static const vvi_work mask = {
-        .stage = "smooth mask", .start = start_slices, .item = slice_item, .finish = finish_any};
-    static const vvi_work planes = {
-        .stage = "smooth z", .start = start_planes, .item = plane_item, .finish = finish_any};
-    const int64_t *d = s->info->grid.dims;
-    const size_t bytes = (size_t)(s->plane * d[2]) * number_bytes(s);
+    const vv_brick *b = &s->making.brick;
+    const int64_t reach = s->weights[1].radius, bytes = number_bytes(s), all = t->box.n[1] * t->n;
+    const int64_t from = t->box.lo[1] - reach, to = t->box.lo[1] + t->box.n[1] + reach;
+    const int64_t lo = larger(from, b->box.lo[1]), hi = smaller(to, b->box.lo[1] + b->box.n[1]);
     vv_status st = VV_OK;
-    s->part[0] = in_place(s) ? s->out : vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
-    if (!s->part[0])
-        return vv_fail_memory(bytes);
-    if ((st = vvi_parallel_for(s->job, &slices, s, (size_t)d[2])) != VV_OK)
-        return st;
-    if (atomic_load(&s->odd)) {
-        s->source = VVI_GAUSSIAN_MASK;
-        s->part[1] = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
-        if (!s->part[1])
-            return vv_fail_memory(bytes);
-        if ((st = vvi_parallel_for(s->job, &mask, s, (size_t)d[2])) != VV_OK)
-            return st;
+    for (int64_t y = lo; y < hi && st == VV_OK; y++)
+        if ((st = smooth_row(own, s, t, y, z, y - from)) == VV_OK)
+            st = vvi_job_poll(s->job);
+    for (int p = 0; p <= own->masked && st == VV_OK; p++) {
+        char *slice = ring_at(own, s, p, z);
+        repeat_ends(own->lines[p], (lo - from) * t->n, (hi - lo) * t->n, (to - hi) * t->n, t->n, bytes);
+        for (int64_t at = 0; at < all && st == VV_OK; at += PIECE) {
+            sum_rows(slice + at * bytes, own, s, own->lines[p] + at * bytes, 1, t->n, smaller(all - at, PIECE));
+            st = vvi_job_poll(s->job);
+        }
     }
-    return vvi_parallel_for(s->job, &planes, s, (size_t)d[1]);
+    return st;
+}
+
+/* Missing samples stay as they were. */
+static void restore(char *out, const shared *s, const tile *t, int64_t row, int64_t rows, int64_t z)
+{
+    const vv_brick *b = &s->making.brick;
+    const size_t each = vv_type_bytes(s->info->type);
+    for (int64_t j = row; j < row + rows; j++) {
+        const char *in = (const char *)b->data + (t->box.lo[0] - b->box.lo[0]) * b->stride[0] +
+                         (t->box.lo[1] + j - b->box.lo[1]) * b->stride[1] + (z - b->box.lo[2]) * b->stride[2];
+        for (int64_t i = 0; i < t->n; i++, in += each, out += each) {
+            double v;
+            vvi_samples_to_f64(&v, in, s->info->type, 1);
+            if (!isfinite(v))
+                memcpy(out, in, each);
+        }
+    }
+}
+
+static void store(char *out, char *result, const shared *s, int64_t n)
+{
+    if (s->wide)
+        vvi_samples_from_f64(out, (const double *)(const void *)result, s->info->type, (size_t)n);
+    else
+        s->kernels->store(out, (const float *)(const void *)result, s->info->type, n);
+}
+
+/* Some rows of slice z of the result, all in one piece. */
+static void smooth_piece(scratch *own, const shared *s, const tile *t, int64_t row, int64_t rows, int64_t z)
+{
+    const vv_box *in = &s->making.brick.box;
+    const int64_t reach = s->weights[2].radius, n = rows * t->n;
+    char *out = s->making.out + vvi_slabs_row(&s->making.slabs, &t->box, row, z - t->box.lo[2]) * s->info->components *
+                                    (int64_t)vv_type_bytes(s->info->type);
+    for (int p = 0; p <= own->masked; p++) {
+        for (int64_t r = -reach; r <= reach; r++) {
+            const int64_t at = larger(in->lo[2], smaller(z + r, in->lo[2] + in->n[2] - 1));
+            own->rows[reach + r] = ring_at(own, s, p, at) + row * t->n * number_bytes(s);
+        }
+        s->kernels->sum[s->wide](own->result[p], own->rows, &s->weights[2], n);
+    }
+    if (own->masked)
+        s->kernels->divide[s->wide](own->result[SAMPLES], own->result[MASK], n);
+    store(out, own->result[SAMPLES], s, n);
+    if (own->masked)
+        restore(out, s, t, row, rows, z);
+}
+
+static vv_status item(void *scratch_in, void *user, size_t index)
+{
+    const shared *s = user;
+    scratch *own = scratch_in;
+    tile t = {.box = vvi_slabs_item(&s->making.slabs, index)};
+    t.n = t.box.n[0] * s->info->components;
+    const vv_box *in = &s->making.brick.box;
+    const int64_t reach = s->weights[2].radius, end = t.box.lo[2] + t.box.n[2];
+    const int64_t rows = t.box.n[0] == s->making.slabs.box.n[0] ? larger(1, PIECE / t.n) : 1;
+    int64_t next = larger(t.box.lo[2] - reach, in->lo[2]);
+    vv_status st = VV_OK;
+    own->masked = false;
+    for (int64_t z = t.box.lo[2]; z < end && st == VV_OK; z += CHUNK) {
+        const int64_t now = smaller(end, z + CHUNK), needed = smaller(now + reach, in->lo[2] + in->n[2]);
+        for (; next < needed && st == VV_OK; next++)
+            st = smooth_slice(own, s, &t, next);
+        for (int64_t j = 0; j < t.box.n[1]; j += rows)
+            for (int64_t k = z; k < now && st == VV_OK; k++) {
+                smooth_piece(own, s, &t, j, smaller(rows, t.box.n[1] - j), k);
+                st = vvi_job_poll(s->job);
+            }
+    }
+    return st;
+}
+
+/* Pieces of some rows, through all slices where that gives enough of them. */
+static vvi_slabs find_tiles(const shared *s, const vv_box *box)
+{
+    const int64_t *n = box->n, components = s->info->components;
+    vvi_slabs t = {.box = *box, .n = 1};
+    if (n[0] < 1 || n[1] < 1 || n[2] < 1)
+        return (vvi_slabs){.box = *box};
+    t.step[0] = smaller(n[0], larger(1, PIECE / components));
+    const int64_t row = t.step[0] * components * number_bytes(s);
+    const int64_t rows = larger(TILE_BYTES / row, s->weights[1].radius);
+    t.step[1] = smaller(smaller(rows, RING_BYTES / (row * s->slices)), larger((n[1] + ITEMS - 1) / ITEMS, ROWS_LEAST));
+    t.step[1] = larger(1, smaller(t.step[1], n[1]));
+    t.items[0] = (n[0] - 1) / t.step[0] + 1;
+    t.items[1] = (n[1] - 1) / t.step[1] + 1;
+    const int64_t parts = (ITEMS - 1) / (t.items[0] * t.items[1]) + 1;
+    t.step[2] = smaller(n[2], larger((n[2] - 1) / parts + 1, 2 * s->weights[2].radius + 1));
+    t.items[2] = (n[2] - 1) / t.step[2] + 1;
+    t.n = (size_t)(t.items[0] * t.items[1] * t.items[2]);
+    return t;
+}
+
+/* Without an axis to smooth along samples are as they were. */
+static vv_status copy_item(void *scratch_in, void *user, size_t index)
+{
+    const shared *s = user;
+    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
+    const vv_brick in = vvi_brick_part(&s->making.brick, &box);
+    const int64_t each = s->info->components * (int64_t)vv_type_bytes(s->info->type);
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1]; j++)
+            memcpy(s->making.out + vvi_slabs_row(&s->making.slabs, &box, j, k) * each,
+                   (const char *)in.data + j * in.stride[1] + k * in.stride[2], (size_t)(box.n[0] * each));
+    return VV_OK;
 }
 
 static bool needs_double(vv_type type)
@@ -247,82 +383,31 @@ static bool needs_double(vv_type type)
     return type != VV_TYPE_F32 && vv_type_bytes(type) > 2;
 }
 
-static vv_status run_smooth(vv_field *field, void *data, const vv_field *in, const double sigma[3], vv_job *job)
-{
-    const vv_field_info *info = vv_field_get_info(field);
-    shared s = {.in = in, .info = info, .out = data, .wide = needs_double(info->type), .job = job};
-    s.row = info->grid.dims[0] * info->components;
-    s.plane = s.row * info->grid.dims[1];
-    vv_status st = VV_OK;
-    for (int a = 0; a < 3 && st == VV_OK; a++)
-        st = make_weights(&s.weights[a], sigma[a], job);
-    if (st == VV_OK)
-        st = smooth(&s);
-    if (st == VV_OK)
-        st = vv_field_health(in);
-    if (!in_place(&s))
-        vvi_free(s.part[0]);
-    vvi_free(s.part[1]);
-    for (int a = 0; a < 3; a++)
-        vvi_free(s.weights[a].w);
-    return st;
-}
-
-/* Rows of a box of whole numbers from one field to a new one. */
-static vv_status cut_out(vv_field **out, const vv_field *field, const vv_box *box, vv_job *job)
-{
-    vv_field_info info = *vv_field_get_info(field);
-    vv_brick brick;
-    void *data;
-    info.grid = vv_grid_crop(&info.grid, box);
-    vv_status st = vv_field_brick(&brick, field, box, job);
-    if (st != VV_OK || (st = vv_field_new_empty(out, &data, &info, job)) != VV_OK) {
-        vv_brick_release(&brick);
-        return st;
-    }
-    const size_t row = (size_t)box->n[0] * vv_type_bytes(info.type) * (size_t)info.components;
-    char *to = data;
-    for (int64_t k = 0; k < box->n[2]; k++)
-        for (int64_t j = 0; j < box->n[1]; j++, to += row)
-            memcpy(to, (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], row);
-    vv_brick_release(&brick);
-    return VV_OK;
-}
-
-/* Whole slices of the box, and those beside it that the kernel reaches: what is further away has no weight. Where some
- * samples are missing, a box without any may differ from the whole in the last bit: it is divided by no mask. */
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
 {
-    (void)n_inputs;
-    const vv_field_info *from = vv_field_get_info(inputs[0]);
-    const int64_t *d = from->grid.dims;
+    static const vvi_work work = {.stage = "smooth", .start = start, .item = item, .finish = finish};
+    static const vvi_work copy = {.stage = "smooth", .item = copy_item};
+    const vv_field_info *info = vv_field_get_info(inputs[0]);
+    shared s = {.making = {.in = inputs[0]}, .info = info, .wide = needs_double(info->type), .job = job};
     double sigma[3] = {0};
+    int64_t radius[3] = {0};
     *out = NULL;
-    vv_status st = sigmas_of(sigma, from, params);
-    if (st != VV_OK)
-        return st;
-    const int64_t reach = (int64_t)floor(CUT * sigma[2] + 0.5), end = box->lo[2] + box->n[2];
-    const int64_t lo = box->lo[2] > reach ? box->lo[2] - reach : 0, hi = end < d[2] - reach ? end + reach : d[2];
-    const bool same = sigma[0] == 0 && sigma[1] == 0 && sigma[2] == 0;
-    vv_field *part = NULL, *smooth = NULL;
-    void *data;
-    if ((st = vvi_field_slices(&part, inputs[0], lo, hi - lo, job)) != VV_OK)
-        return st;
-    if (same)
-        smooth = vv_field_retain(part);
-    else if ((st = vv_field_new_empty(&smooth, &data, vv_field_get_info(part), job)) == VV_OK)
-        st = run_smooth(smooth, data, part, sigma, job);
-    const vv_box wanted = {{box->lo[0], box->lo[1], box->lo[2] - lo}, {box->n[0], box->n[1], box->n[2]}};
-    const bool whole = box->n[0] == d[0] && box->n[1] == d[1] && box->n[2] == hi - lo;
-    if (st == VV_OK && whole) {
-        *out = smooth;
-        smooth = NULL;
-    } else if (st == VV_OK) {
-        st = cut_out(out, smooth, &wanted, job);
+    vv_status st = sigmas_of(sigma, info, params);
+    for (int a = 0; a < 3 && st == VV_OK; a++) {
+        st = make_weights(&s.weights[a], sigma[a], job);
+        radius[a] = s.weights[a].radius;
     }
-    vv_field_release(smooth);
-    vv_field_release(part);
+    if (st == VV_OK) {
+        const bool same = radius[0] == 0 && radius[1] == 0 && radius[2] == 0;
+        const vv_box needed = vvi_window_reach(box, radius, info->grid.dims);
+        s.kernels = vvi_gaussian_kernels_for(vvi_job_cpu(job));
+        s.slices = smaller(CHUNK + 2 * radius[2], needed.n[2]);
+        s.making.slabs = find_tiles(&s, box);
+        st = vvi_making_run(out, &s.making, info, box, &needed, same ? &copy : &work, &s, job);
+    }
+    for (int a = 0; a < 3; a++)
+        vvi_free(s.weights[a].w);
     return st;
 }
 

@@ -1,59 +1,47 @@
-/* The loops of gaussian_lines.h for one type of number. Before it: REAL and NAME(x), which names a function for it. */
-#include "core/job.h"
-#include "filter/gaussian_lines.h"
+/* The loops of gaussian_kernel.h for one type of number. Before it: REAL and NAME(x), which names a function for it. */
 
-#include <math.h>
-#include <string.h>
+typedef REAL NAME(vector) __attribute__((vector_size(VECTOR_BYTES)));
 
-#define BLOCK 256 /* numbers of a row that stay in the first-level cache while all weights pass over them */
-
-static void add_pair(REAL *restrict sum, const REAL *restrict c, const REAL *restrict a, const REAL *restrict b, REAL w,
-                     int64_t n)
+static void NAME(sum)(void *out, const void *const *rows, const vvi_gaussian_weights *weights, int64_t n)
 {
-    for (int64_t i = 0; i < n; i++)
-        sum[i] += w * ((a[i] - c[i]) + (b[i] - c[i]));
-}
-
-void NAME(vvi_gaussian_row)(REAL *out, const REAL *rows, int64_t k, int64_t n_rows, int64_t stride, int64_t n,
-                            const vvi_gaussian_weights *weights)
-{
-    for (int64_t at = 0; at < n; at += BLOCK) {
-        const int64_t now = n - at < BLOCK ? n - at : BLOCK;
-        const REAL *c = rows + k * stride + at;
-        REAL sum[BLOCK] = {0};
-        for (int64_t r = 1; r <= weights->radius; r++) {
-            const int64_t below = k - r < 0 ? 0 : k - r, above = k + r >= n_rows ? n_rows - 1 : k + r;
-            add_pair(sum, c, rows + below * stride + at, rows + above * stride + at, (REAL)weights->w[r], now);
+    enum { LANES = VECTOR_BYTES / sizeof(REAL) };
+    const int64_t radius = weights->radius;
+    for (int64_t at = 0; at < n; at += VECTORS * LANES) {
+        NAME(vector) c[VECTORS], sum[VECTORS];
+        memcpy(c, (const REAL *)rows[radius] + at, sizeof c);
+        VV_UNROLL
+        for (int v = 0; v < VECTORS; v++)
+            sum[v] = (NAME(vector)){0};
+        for (int64_t r = 1; r <= radius; r++) {
+            const REAL *below = (const REAL *)rows[radius - r] + at, *above = (const REAL *)rows[radius + r] + at;
+            const REAL w = (REAL)weights->w[r];
+            VV_UNROLL
+            for (int v = 0; v < VECTORS; v++) {
+                NAME(vector) a, b;
+                memcpy(&a, below + v * LANES, sizeof a);
+                memcpy(&b, above + v * LANES, sizeof b);
+                sum[v] += w * ((a - c[v]) + (b - c[v]));
+            }
         }
-        for (int64_t i = 0; i < now; i++)
-            out[at + i] = c[i] + sum[i];
-    }
-}
-
-/* Along x the neighbours lie in the same row, `step` numbers apart; the row has a margin of radius * step. */
-static void smooth_x(REAL *out, const REAL *row, int64_t n, int64_t step, const vvi_gaussian_weights *weights)
-{
-    for (int64_t at = 0; at < n; at += BLOCK) {
-        const int64_t now = n - at < BLOCK ? n - at : BLOCK;
-        const REAL *c = row + at;
-        REAL sum[BLOCK] = {0};
-        for (int64_t r = 1; r <= weights->radius; r++)
-            add_pair(sum, c, c - r * step, c + r * step, (REAL)weights->w[r], now);
-        for (int64_t i = 0; i < now; i++)
-            out[at + i] = c[i] + sum[i];
+        VV_UNROLL
+        for (int v = 0; v < VECTORS; v++)
+            sum[v] = c[v] + sum[v];
+        memcpy((REAL *)out + at, sum, sizeof sum);
     }
 }
 
 #define CONVERT(ctype)                                                                                                 \
-    for (int64_t i = 0; i < n; i++) {                                                                                  \
-        ctype v;                                                                                                       \
-        memcpy(&v, in + (size_t)i * sizeof v, sizeof v);                                                               \
-        out[i] = (REAL)v;                                                                                              \
+    for (int64_t at = 0; at < n; at += STEP) {                                                                         \
+        ctype v[STEP];                                                                                                 \
+        take(v, in + at * (int64_t)sizeof *v, n - at, sizeof *v);                                                      \
+        for (int i = 0; i < STEP; i++)                                                                                 \
+            out[at + i] = (REAL)v[i];                                                                                  \
     }                                                                                                                  \
     break
 
-static void load(REAL *out, const char *in, vv_type type, int64_t n)
+static void NAME(load)(void *out_in, const char *in, vv_type type, int64_t n)
 {
+    REAL *out = out_in;
     switch (type) {
     case VV_TYPE_U8:
         CONVERT(uint8_t);
@@ -77,46 +65,29 @@ static void load(REAL *out, const char *in, vv_type type, int64_t n)
         CONVERT(double);
     }
 }
+#undef CONVERT
 
-static void only_finite(REAL *row, int64_t n, vvi_gaussian_source source, bool *odd)
+static bool NAME(finite)(void *row_in, void *mask_in, int64_t n)
 {
-    for (int64_t i = 0; i < n; i++) {
-        const bool finite = isfinite(row[i]);
-        *odd |= !finite;
-        if (source == VVI_GAUSSIAN_MASK)
-            row[i] = finite;
-        else if (!finite)
-            row[i] = 0;
-    }
+    REAL *row = row_in, *mask = mask_in;
+    int missing[STEP] = {0}, any = 0;
+    for (int64_t at = 0; at < n; at += STEP)
+        for (int i = 0; i < STEP; i++) {
+            const bool there = row[at + i] - row[at + i] == 0; /* not of NaN, nor of infinities */
+            mask[at + i] = there ? (REAL)1 : (REAL)0;
+            row[at + i] = there ? row[at + i] : (REAL)0;
+            missing[i] |= !there;
+        }
+    for (int i = 0; i < STEP; i++)
+        any |= missing[i];
+    return !any;
 }
 
-/* Margins repeat the samples at the ends. */
-static void pad(REAL *row, int64_t n, int64_t step, int64_t margin)
+static void NAME(divide)(void *row_in, const void *mask_in, int64_t n)
 {
-    for (int64_t i = 1; i <= margin; i++) {
-        row[-i] = row[-i + step];
-        row[n - 1 + i] = row[n - 1 + i - step];
-    }
-}
-
-vv_status NAME(vvi_gaussian_slice)(REAL *out, bool *odd, REAL *room, const vv_brick *brick, vvi_gaussian_source source,
-                                   const vvi_gaussian_weights *x, const vvi_gaussian_weights *y, vv_job *job)
-{
-    const int64_t step = brick->components, n = brick->box.n[0] * step, margin = x->radius * step;
-    const int64_t ny = brick->box.n[1];
-    REAL *row = room + margin, *smooth = room + n + 2 * margin;
-    vv_status st = VV_OK;
-    for (int64_t j = 0; j < ny && st == VV_OK; j++) {
-        load(row, (const char *)brick->data + j * brick->stride[1], brick->type, n);
-        if (vv_type_is_float(brick->type))
-            only_finite(row, n, source, odd);
-        pad(row, n, step, margin);
-        smooth_x(smooth + j * n, row, n, step, x);
-        st = vvi_job_poll(job);
-    }
-    for (int64_t j = 0; j < ny && st == VV_OK; j++) {
-        NAME(vvi_gaussian_row)(out + j * n, smooth, j, ny, n, n, y);
-        st = vvi_job_poll(job);
-    }
-    return st;
+    REAL *row = row_in;
+    const REAL *mask = mask_in;
+    for (int64_t at = 0; at < n; at += STEP)
+        for (int i = 0; i < STEP; i++)
+            row[at + i] /= mask[at + i];
 }

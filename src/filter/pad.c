@@ -1,5 +1,6 @@
 /* Pad: samples around those that there are, which stay where they are in the world. */
 #include "core/job.h"
+#include "core/memory.h"
 #include "filter/amounts.h"
 #include "grid/field.h"
 #include "grid/making.h"
@@ -140,6 +141,7 @@ typedef struct shared {
     char fill[8];
     size_t each; /* bytes of a number */
     int64_t components;
+    int64_t *old_x; /* along x, of each sample of the box: no division for each of a row */
 } shared;
 
 /* The old sample that a new one is; -1: it is the value. */
@@ -162,22 +164,46 @@ static int64_t old_of(const shared *s, int axis, int64_t i)
     }
 }
 
-static void write_row(char *out, const shared *s, const char *row)
+#define MARGIN(ctype)                                                                                                  \
+    for (int64_t i = 0; i < n; i++)                                                                                    \
+        memcpy(out + i * (int64_t)sizeof(ctype), row + (old[i] - first) * step, sizeof(ctype));                        \
+    break
+
+/* n samples in a row's margin. */
+static void write_margin(char *out, const shared *s, const char *row, const int64_t *old, int64_t n)
 {
-    const vv_box *box = &s->making.slabs.box;
-    const size_t bytes = s->each * (size_t)s->components;
     const int64_t step = s->making.brick.stride[0], first = s->making.brick.box.lo[0];
-    const int64_t n = vv_field_get_info(s->making.in)->grid.dims[0];
-    for (int64_t i = 0; i < box->n[0];) {
-        const int64_t old = old_of(s, 0, box->lo[0] + i), inside = box->lo[0] + i - s->pads.before[0];
-        const int64_t left = box->n[0] - i, run = old >= 0 && old == inside ? (left < n - old ? left : n - old) : 1;
-        if (old < 0)
-            vvi_fill_numbers(out, s->fill, s->each, s->components);
-        else
-            memcpy(out, row + (old - first) * step, (size_t)run * bytes);
-        out += (size_t)run * bytes;
-        i += run;
+    const int64_t bytes = (int64_t)s->each * s->components;
+    if (s->border == BORDER_VALUE) {
+        vvi_fill_numbers(out, s->fill, s->each, n * s->components);
+        return;
     }
+    switch (bytes) {
+    case 1:
+        MARGIN(uint8_t);
+    case 2:
+        MARGIN(uint16_t);
+    case 4:
+        MARGIN(uint32_t);
+    default:
+        for (int64_t i = 0; i < n; i++)
+            memcpy(out + i * bytes, row + (old[i] - first) * step, (size_t)bytes);
+    }
+}
+
+/* A row, of which the old samples are a piece. */
+static void write_row(char *out, const shared *s, const vv_box *item, const char *row)
+{
+    const size_t bytes = s->each * (size_t)s->components;
+    const int64_t step = s->making.brick.stride[0], first = s->making.brick.box.lo[0], from = s->pads.before[0];
+    const int64_t begin = item->lo[0], end = begin + item->n[0];
+    const int64_t to = from + vv_field_get_info(s->making.in)->grid.dims[0];
+    const int64_t lo = from < begin ? begin : from > end ? end : from, hi = to < lo ? lo : to > end ? end : to;
+    const int64_t *old = s->old_x + (begin - s->making.slabs.box.lo[0]);
+    write_margin(out, s, row, old, lo - begin);
+    if (hi > lo)
+        memcpy(out + (size_t)(lo - begin) * bytes, row + (lo - from - first) * step, (size_t)(hi - lo) * bytes);
+    write_margin(out + (size_t)(hi - begin) * bytes, s, row, old + (hi - begin), end - hi);
 }
 
 static vv_status item(void *scratch, void *user, size_t index)
@@ -193,7 +219,7 @@ static vv_status item(void *scratch, void *user, size_t index)
             if (y < 0 || z < 0)
                 vvi_fill_numbers(out, s->fill, s->each, box.n[0] * s->components);
             else
-                write_row(out, s,
+                write_row(out, s, &box,
                           (const char *)b->data + (y - b->box.lo[1]) * b->stride[1] +
                               (z - b->box.lo[2]) * b->stride[2]);
         }
@@ -233,7 +259,15 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
         return st;
     const vv_field_info info = padded(from, &s.pads);
     const vv_box needed = box_needed(&s, box);
-    return vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
+    const size_t bytes = (size_t)box->n[0] * sizeof *s.old_x;
+    s.old_x = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!s.old_x)
+        return vv_fail_memory(bytes);
+    for (int64_t i = 0; i < box->n[0]; i++)
+        s.old_x[i] = old_of(&s, 0, box->lo[0] + i);
+    st = vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
+    vvi_free(s.old_x);
+    return st;
 }
 
 const vv_operation vvi_operation_pad = {

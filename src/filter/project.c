@@ -1,8 +1,9 @@
 /* Project: one slice of many along an axis, or of each slab of them. */
+#include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/amounts.h"
-#include "filter/sample_keys.h"
+#include "filter/project_kernel.h"
 #include "grid/field.h"
 #include "grid/slabs.h"
 #include "registry.h"
@@ -11,7 +12,8 @@
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 16)
-#define CHUNK_BYTES ((int64_t)1 << 26) /* of the input that are held at once, where they are read bit by bit */
+#define PIECE_SAMPLES ((int64_t)1 << 12) /* of a slice: their states stay in the caches */
+#define CHUNK_BYTES ((int64_t)1 << 26)   /* of the input that are held at once, where they are read bit by bit */
 
 typedef struct project_params {
     vv_object object;
@@ -118,10 +120,10 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return st;
 }
 
-/* What numbers one behind the other have come to so far, an array each: the extreme of them, or their mean and the sum
- * of squares of what is away from it (Welford's), or their sum; and how many they are. */
+/* What samples one behind the other have come to so far, an array each: the extreme of them, in their own type in a, or
+ * sums (vvi_project_sums). */
 typedef struct state {
-    double *a, *b, *count; /* of 64-bit integers extremes are keys, int64_t in a */
+    double *a, *b, *count;
 } state;
 
 /* A part of the result, and the input slices from `from` to `to` along the axis, which are added to it now. */
@@ -136,13 +138,14 @@ typedef struct shared {
     char *out; /* of the box that is asked for */
     vv_box box;
     double *kept; /* states of the part, between passes; NULL: there is but one */
+    const vvi_project_loops *loops;
+    char nothing[8]; /* what extremes begin with */
     vv_job *job;
 } shared;
 
-static bool by_keys(const shared *s)
+static bool is_extreme(const shared *s)
 {
-    return (s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM) && !vv_type_is_float(s->in->type) &&
-           vv_type_bytes(s->in->type) == 8;
+    return s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM;
 }
 
 /* The largest value is the smallest stored number where the scale is negative. */
@@ -153,66 +156,21 @@ static bool seeks_largest(const shared *s)
 
 static void begin(const state *st, const shared *s, size_t n)
 {
-    const int64_t end = seeks_largest(s) ? INT64_MIN : INT64_MAX;
-    for (size_t i = 0; i < n; i++) {
-        st->a[i] = s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM ? (double)NAN : 0;
-        st->b[i] = st->count[i] = 0;
-        if (by_keys(s))
-            memcpy(&st->a[i], &end, sizeof end);
+    if (is_extreme(s)) {
+        vvi_fill_numbers((char *)st->a, s->nothing, vv_type_bytes(s->in->type), (int64_t)n);
+        return;
     }
+    for (size_t i = 0; i < n; i++)
+        st->a[i] = st->b[i] = st->count[i] = 0;
 }
 
-static void add_keys(double *a, const double *row, bool largest, size_t n)
+static void add_row(const state *st, const char *row, const shared *s, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
-        int64_t old, key;
-        memcpy(&old, &a[i], sizeof old);
-        memcpy(&key, &row[i], sizeof key);
-        old = largest == (key > old) ? key : old;
-        memcpy(&a[i], &old, sizeof old);
-    }
-}
-
-static void add_extremes(double *a, const double *row, bool largest, size_t n)
-{
-    if (largest)
-        for (size_t i = 0; i < n; i++)
-            a[i] = isnan(row[i]) || row[i] <= a[i] ? a[i] : row[i];
+    const vvi_project_sums sums = {st->a, st->b, st->count};
+    if (is_extreme(s))
+        s->loops->extreme[seeks_largest(s)](st->a, row, (int64_t)n);
     else
-        for (size_t i = 0; i < n; i++)
-            a[i] = isnan(row[i]) || row[i] >= a[i] ? a[i] : row[i];
-}
-
-static void add_sums(const state *st, const double *row, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        const bool there = !isnan(row[i]);
-        st->a[i] += there ? row[i] : 0;
-        st->count[i] += there;
-    }
-}
-
-static void add_squares(const state *st, const double *row, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        if (isnan(row[i]))
-            continue;
-        const double away = row[i] - st->a[i];
-        st->a[i] += away / ++st->count[i];
-        st->b[i] += away * (row[i] - st->a[i]);
-    }
-}
-
-static void add_row(const state *st, const double *row, const shared *s, size_t n)
-{
-    if (by_keys(s))
-        add_keys(st->a, row, seeks_largest(s), n);
-    else if (s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM)
-        add_extremes(st->a, row, seeks_largest(s), n);
-    else if (s->slabs.method == DEVIATION)
-        add_squares(st, row, n);
-    else
-        add_sums(st, row, n);
+        (s->slabs.method == DEVIATION ? s->loops->square : s->loops->sum)(&sums, row, (int64_t)n);
 }
 
 /* What is written: values, or stored numbers where the type is kept. */
@@ -235,15 +193,16 @@ static size_t row_numbers(const shared *s)
     return (size_t)s->brick.box.n[0] * (size_t)s->in->components;
 }
 
-/* Row (y, z) of the input, in doubles or keys. */
-static void read_row(double *row, const shared *s, int64_t y, int64_t z)
+/* Row (y, z) of the input. */
+static const char *row_at(const shared *s, int64_t y, int64_t z)
 {
     const vv_brick *b = &s->brick;
-    const char *in = (const char *)b->data + (y - b->box.lo[1]) * b->stride[1] + (z - b->box.lo[2]) * b->stride[2];
-    if (by_keys(s))
-        vvi_keys_of_samples(row, in, 8, s->in->type, (int64_t)row_numbers(s));
-    else
-        vvi_samples_to_f64(row, in, s->in->type, row_numbers(s));
+    return (const char *)b->data + (y - b->box.lo[1]) * b->stride[1] + (z - b->box.lo[2]) * b->stride[2];
+}
+
+static void read_row(double *row, const shared *s, int64_t y, int64_t z)
+{
+    vvi_samples_to_f64(row, row_at(s, y, z), s->in->type, row_numbers(s));
 }
 
 static double largest_of(const double *v, size_t n)
@@ -293,7 +252,8 @@ static double median_of(double *v, size_t n)
     return there % 2 ? upper : 0.5 * largest_of(v, there / 2) + 0.5 * upper;
 }
 
-/* A worker's own: a row of the input, a state and a row of the result, and for medians the rows of a slab. */
+/* A worker's own: a row of the input, a state and a row of the result, one channel of a slab of a row, and for medians
+ * the rows of a slab. */
 typedef struct scratch {
     double *row, *out, *slab, *column;
     state state;
@@ -308,8 +268,8 @@ static vv_status start(void **scratch_out, void *user, int worker)
 {
     const shared *s = user;
     const size_t in = row_numbers(s), out = out_numbers(s);
-    const size_t thick = s->slabs.method == MEDIAN ? (size_t)s->slabs.thick : 0;
-    const size_t slab = s->slabs.axis ? thick * in : 0;
+    const size_t thick = (size_t)(s->slabs.thick < s->slabs.n_in ? s->slabs.thick : s->slabs.n_in);
+    const size_t slab = s->slabs.axis && s->slabs.method == MEDIAN ? thick * in : 0;
     const size_t bytes = sizeof(scratch) + (in + 4 * out + slab + thick) * sizeof(double);
     scratch *own = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
     if (!own)
@@ -328,35 +288,46 @@ static void finish(void *own, void *user)
     vvi_free(own);
 }
 
-/* Of numbers beside each other; NaN where there is none. */
-static double extreme_of(const double *v, bool largest, int64_t n)
+/* n samples along x of one channel, `step` of them apart, into state i. */
+static void fold_samples(scratch *own, const state *st, size_t i, const char *at, const shared *s, int64_t n)
 {
-    double a = (double)NAN;
-    for (int64_t i = 0; i < n; i++)
-        a = isnan(v[i]) || (largest ? v[i] <= a : v[i] >= a) ? a : v[i];
-    return a;
+    const size_t each = vv_type_bytes(s->in->type), step = (size_t)s->in->components;
+    const vvi_project_sums sums = {&st->a[i], &st->b[i], &st->count[i]};
+    if (step > 1) {
+        char *column = (char *)own->column;
+        for (size_t t = 0; t < (size_t)n; t++)
+            memcpy(column + t * each, at + t * step * each, each);
+        at = column;
+    }
+    if (is_extreme(s))
+        s->loops->extreme_of[seeks_largest(s)]((char *)st->a + i * each, at, n);
+    else
+        (s->slabs.method == DEVIATION ? s->loops->square_of : s->loops->sum_of)(&sums, at, n);
+}
+
+static double median_of_samples(scratch *own, const double *at, size_t step, int64_t n)
+{
+    for (int64_t t = 0; t < n; t++)
+        own->column[t] = at[(size_t)t * step];
+    return median_of(own->column, (size_t)n);
 }
 
 /* Along x a row has all that goes together. */
-static void fold_along_row(scratch *own, const state *st, const shared *s)
+static void fold_along_row(scratch *own, const state *st, const shared *s, int64_t j, int64_t k)
 {
-    const size_t components = (size_t)s->in->components;
-    const bool extreme = s->slabs.method == MAXIMUM || s->slabs.method == MINIMUM;
-    const bool at_once = extreme && components == 1 && !by_keys(s);
+    const size_t components = (size_t)s->in->components, each = vv_type_bytes(s->in->type);
+    const char *row = row_at(s, j, k);
+    if (s->slabs.method == MEDIAN)
+        read_row(own->row, s, j, k);
     for (int64_t i = 0; i < s->part.n[0]; i++) {
         int64_t lo, n;
         slab_of(&lo, &n, &s->slabs, s->part.lo[0] + i);
-        const double *at = own->row + (size_t)(lo - s->brick.box.lo[0]) * components;
-        const state here = {st->a + (size_t)i * components, st->b + (size_t)i * components,
-                            st->count + (size_t)i * components};
-        if (at_once)
-            here.a[0] = extreme_of(at, seeks_largest(s), n);
-        for (int64_t t = 0; t < n && s->slabs.method != MEDIAN && !at_once; t++)
-            add_row(&here, at + (size_t)t * components, s, components);
-        for (size_t c = 0; c < components && s->slabs.method == MEDIAN; c++) {
-            for (int64_t t = 0; t < n; t++)
-                own->column[t] = at[(size_t)t * components + c];
-            here.a[c] = median_of(own->column, (size_t)n);
+        for (size_t c = 0; c < components; c++) {
+            const size_t from = (size_t)(lo - s->brick.box.lo[0]) * components + c, to = (size_t)i * components + c;
+            if (s->slabs.method == MEDIAN)
+                st->a[to] = median_of_samples(own, own->row + from, components, n);
+            else
+                fold_samples(own, st, to, row + from * each, s, n);
         }
     }
 }
@@ -377,10 +348,11 @@ static void fold_rows(scratch *own, const state *st, const shared *s, int64_t j,
     int64_t lo, n, rows = 0;
     slab_of(&lo, &n, &s->slabs, s->slabs.axis == 1 ? j : k);
     for (int64_t t = lo > s->from ? lo : s->from; t < lo + n && t < s->to; t++, rows++) {
-        double *row = s->slabs.method == MEDIAN ? own->slab + (size_t)rows * row_numbers(s) : own->row;
-        read_row(row, s, s->slabs.axis == 1 ? t : j, s->slabs.axis == 1 ? k : t);
-        if (s->slabs.method != MEDIAN)
-            add_row(st, row, s, row_numbers(s));
+        const int64_t y = s->slabs.axis == 1 ? t : j, z = s->slabs.axis == 1 ? k : t;
+        if (s->slabs.method == MEDIAN)
+            read_row(own->slab + (size_t)rows * row_numbers(s), s, y, z);
+        else
+            add_row(st, row_at(s, y, z), s, row_numbers(s));
     }
     if (s->slabs.method == MEDIAN)
         medians_of_rows(own, st, s, rows);
@@ -392,45 +364,68 @@ static void write_row(scratch *own, const state *st, const shared *s, int64_t j,
     const int64_t at =
         ((k - s->box.lo[2]) * s->box.n[1] + j - s->box.lo[1]) * s->box.n[0] + s->part.lo[0] - s->box.lo[0];
     char *out = s->out + (size_t)(at * s->in->components) * each;
+    if (is_extreme(s)) {
+        memcpy(out, st->a, n * each);
+        return;
+    }
     memcpy(own->out, st->a, n * sizeof *own->out);
     end_row(own->out, st, s, n);
-    if (by_keys(s))
-        vvi_samples_of_keys(out, 8, own->out, s->info->type, (int64_t)n);
-    else
-        vvi_samples_from_f64(out, own->out, s->info->type, n);
+    vvi_samples_from_f64(out, own->out, s->info->type, n);
 }
 
-static vv_status item(void *scratch_in, void *user, size_t index)
+static void make_row(scratch *own, const shared *s, int64_t j, int64_t k)
+{
+    const state *st = &own->state;
+    begin(st, s, out_numbers(s));
+    if (s->slabs.axis > 0)
+        fold_rows(own, st, s, j, k);
+    else
+        fold_along_row(own, st, s, j, k);
+    write_row(own, st, s, j, k);
+}
+
+static state kept_state(const shared *s, int64_t j)
+{
+    const size_t n = out_numbers(s), all = n * (size_t)s->part.n[1], row = n * (size_t)(j - s->part.lo[1]);
+    return (state){s->kept + row, s->kept + all + row, s->kept + 2 * all + row};
+}
+
+/* Some rows of all slices that there are now, slice by slice: a piece of each is read in one go. */
+static void add_slices(scratch *own, const shared *s, const vv_box *box)
+{
+    const int64_t k = box->lo[2], first = box->lo[1], end = first + box->n[1];
+    for (int64_t j = first; j < end && s->first; j++) {
+        const state st = kept_state(s, j);
+        begin(&st, s, out_numbers(s));
+    }
+    for (int64_t t = s->from; t < s->to; t++)
+        for (int64_t j = first; j < end; j++) {
+            const state st = kept_state(s, j);
+            add_row(&st, row_at(s, j, t), s, row_numbers(s));
+        }
+    for (int64_t j = first; j < end && s->last; j++) {
+        const state st = kept_state(s, j);
+        write_row(own, &st, s, j, k);
+    }
+}
+
+static vv_status item(void *own, void *user, size_t index)
 {
     const shared *s = user;
-    scratch *own = scratch_in;
     const vv_box box = vvi_slabs_item(&s->items, index);
-    const size_t n = out_numbers(s), all = n * (size_t)(s->part.n[1] * s->part.n[2]);
-    for (int64_t k = box.lo[2]; k < box.lo[2] + box.n[2]; k++)
-        for (int64_t j = box.lo[1]; j < box.lo[1] + box.n[1]; j++) {
-            const size_t row = n * (size_t)((k - s->part.lo[2]) * s->part.n[1] + j - s->part.lo[1]);
-            state kept = own->state;
-            if (s->kept)
-                kept = (state){s->kept + row, s->kept + all + row, s->kept + 2 * all + row};
-            const state *st = &kept;
-            if (s->first)
-                begin(st, s, n);
-            if (s->slabs.axis > 0) {
-                fold_rows(own, st, s, j, k);
-            } else {
-                read_row(own->row, s, j, k);
-                fold_along_row(own, st, s);
-            }
-            if (s->last)
-                write_row(own, st, s, j, k);
-        }
+    if (s->kept)
+        add_slices(own, s, &box);
+    for (int64_t k = box.lo[2]; k < box.lo[2] + box.n[2] && !s->kept; k++)
+        for (int64_t j = box.lo[1]; j < box.lo[1] + box.n[1]; j++)
+            make_row(own, s, j, k);
     return vvi_job_poll(s->job);
 }
 
 static vv_status run_pass(shared *s, const vv_field *in, const vv_box *needed)
 {
     static const vvi_work work = {.stage = "project", .start = start, .item = item, .finish = finish};
-    const int64_t rows = 1 + ITEM_SAMPLES / (needed->n[0] * needed->n[s->slabs.axis]);
+    const int64_t row = needed->n[0] * (s->kept || s->slabs.axis == 0 ? 1 : needed->n[s->slabs.axis]);
+    const int64_t rows = 1 + (s->kept ? PIECE_SAMPLES : ITEM_SAMPLES) / row;
     vv_status st = vv_field_brick(&s->brick, in, needed, s->job);
     s->items = vvi_slabs_of(&s->part, rows * s->part.n[0]);
     if (st == VV_OK)
@@ -505,6 +500,15 @@ static vv_status run_parts(shared *s, const vv_field *in)
     return st;
 }
 
+/* Of floats NaN, which any number replaces; else what none lies beyond. */
+static void find_nothing(shared *s)
+{
+    const vv_type type = s->in->type;
+    const double end = seeks_largest(s) ? vvi_type_min(type) : vvi_type_max(type);
+    const double nothing = vv_type_is_float(type) ? (double)NAN : end;
+    vvi_samples_from_f64(s->nothing, &nothing, type, 1);
+}
+
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
 {
@@ -522,6 +526,8 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
         return st;
     s.info = &info;
     s.out = data;
+    s.loops = &vvi_project_kernels_for(vvi_job_cpu(job))->of[s.in->type];
+    find_nothing(&s);
     if ((st = run_parts(&s, inputs[0])) == VV_OK)
         st = vv_field_health(inputs[0]);
     if (st == VV_OK)

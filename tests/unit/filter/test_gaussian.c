@@ -1,6 +1,8 @@
 /* Gaussian smoothing against a direct sum in double precision, and the laws that it must keep. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "fields.h"
+#include "filter/gaussian_kernel.h"
 #include "grid/field.h"
 #include "jobs.h"
 #include "operations.h"
@@ -242,6 +244,81 @@ static void thread_count_changes_no_byte(void **state)
     }
 }
 
+/* Larger than a tile along each axis in turn; what is missing is in some of the tiles. */
+static void tiles_change_nothing(void **state)
+{
+    (void)state;
+    static const int64_t sizes[][3] = {{259, 3, 2}, {3, 71, 5}, {5, 2, 61}, {13, 34, 17}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+        for (int odd = 0; odd < 2; odd++) {
+            const vv_field_info info = info_of(sizes[s][0], sizes[s][1], sizes[s][2], VV_TYPE_F32, 1 + s % 2);
+            const size_t n = (size_t)(sizes[s][0] * sizes[s][1] * sizes[s][2] * info.components);
+            vv_field *random = test_field_random(&info, s, NULL), *in;
+            void *data;
+            vv_brick brick;
+            const vv_box all = vv_field_box(random);
+            assert_int_equal(vv_field_brick(&brick, random, &all, NULL), VV_OK);
+            assert_int_equal(vv_field_new_empty(&in, &data, &info, NULL), VV_OK);
+            memcpy(data, brick.data, n * sizeof(float));
+            vv_brick_release(&brick);
+            if (odd)
+                ((float *)data)[n / 3] = NAN, ((float *)data)[n - 1] = INFINITY;
+            const vv_field *inputs[] = {in};
+            vv_field *out = test_apply_all_ways(&vvi_operation_gaussian, inputs, 1, "sigma_voxels=[0.8,0.7,1.2]");
+            expect_direct(in, out, (double[3]){0.8, 0.7, 1.2}, 1e-3);
+            vv_field_release(random);
+            vv_field_release(in);
+            vv_field_release(out);
+        }
+}
+
+static void every_instruction_set_gives_the_same(void **state)
+{
+    (void)state;
+    enum { MOST = 200, RADIUS = 9 };
+    static double room[MOST + 2 * RADIUS + VVI_GAUSSIAN_GUARD], want[2][MOST + VVI_GAUSSIAN_GUARD],
+        got[2][MOST + VVI_GAUSSIAN_GUARD];
+    static char bytes[2][MOST * 8 + VVI_GAUSSIAN_GUARD];
+    static const int64_t sizes[] = {1, 15, 16, 17, 63, 64, 65, 127, 199};
+    double w[RADIUS + 1];
+    const void *rows[2 * RADIUS + 1];
+    const vvi_gaussian_kernels *base = vvi_gaussian_kernels_for(0);
+    for (int64_t r = 0; r <= RADIUS; r++)
+        w[r] = test_random_unit(1, (uint64_t)r);
+    for (size_t b = 0; vvi_gaussian_kernels_nth(b); b++) {
+        const vvi_gaussian_kernels *kernels = vvi_gaussian_kernels_nth(b);
+        if (kernels->needs & ~vvi_cpu_detect())
+            continue;
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes * 2 * (RADIUS + 1); i++) {
+            const int wide = i % 2;
+            const int64_t n = sizes[i / 2 % (sizeof sizes / sizeof *sizes)], radius = (int64_t)i % (RADIUS + 1);
+            const vvi_gaussian_weights weights = {radius, w};
+            for (size_t k = 0; k < sizeof room / sizeof *room; k++)
+                if (wide)
+                    room[k] = test_random_unit(i, k) - 0.5;
+                else
+                    ((float *)(void *)room)[k] = (float)(300 * test_random_unit(i, k) - 20);
+            for (int64_t r = 0; r <= 2 * radius; r++)
+                rows[r] = wide ? (const void *)(room + r) : (const void *)((float *)(void *)room + r);
+            base->sum[wide](want[0], rows, &weights, n);
+            kernels->sum[wide](got[0], rows, &weights, n);
+            assert_memory_equal(got[0], want[0], (size_t)n * (wide ? 8 : 4));
+            for (int t = 0; t < VV_TYPE_COUNT; t++) {
+                base->load[wide](want[0], (const char *)room, (vv_type)t, n);
+                kernels->load[wide](got[0], (const char *)room, (vv_type)t, n);
+                const bool all = base->finite[wide](want[0], want[1], n);
+                assert_true(kernels->finite[wide](got[0], got[1], n) == all);
+                assert_memory_equal(got, want, sizeof got);
+                if (wide || (vv_type_bytes((vv_type)t) > 2 && t != VV_TYPE_F32))
+                    continue;
+                base->store(bytes[0], (const float *)(const void *)room, (vv_type)t, n);
+                kernels->store(bytes[1], (const float *)(const void *)room, (vv_type)t, n);
+                assert_memory_equal(bytes[1], bytes[0], sizeof bytes[0]);
+            }
+        }
+    }
+}
+
 static void wrong_sigmas_and_labels_are_refused(void **state)
 {
     (void)state;
@@ -307,6 +384,8 @@ int main(void)
         cmocka_unit_test(a_ramp_stays_a_ramp_away_from_the_border),
         cmocka_unit_test(missing_samples_stay_missing_and_do_not_spread),
         cmocka_unit_test(thread_count_changes_no_byte),
+        cmocka_unit_test(tiles_change_nothing),
+        cmocka_unit_test(every_instruction_set_gives_the_same),
         cmocka_unit_test(wrong_sigmas_and_labels_are_refused),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(a_cancelled_job_gives_no_field),

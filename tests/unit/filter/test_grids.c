@@ -1,5 +1,7 @@
 /* Filters that change the grid: the same bytes for any number of threads and any box, whose truth tests/cli has. */
+#include "core/cpu.h"
 #include "fields.h"
+#include "filter/project_kernel.h"
 #include "operations.h"
 #include "registry.h"
 
@@ -61,6 +63,57 @@ static void projecting_is_the_same_in_all_ways(void **state)
             }
 }
 
+/* Of random bits, which floats among them are NaN and infinite, too; lengths about those of blocks. */
+static void projecting_is_the_same_with_every_instruction_set(void **state)
+{
+    enum { MOST = 200 };
+    static const int64_t sizes[] = {1, 7, 63, 64, 65, 127, 199};
+    static uint64_t row[MOST], states[2][3][MOST];
+    for (size_t b = 0; vvi_project_kernels_nth(b); b++)
+        for (size_t i = 0; i < 7 * VV_TYPE_COUNT * 8; i++) {
+            const int64_t n = sizes[i % 7];
+            const vv_type type = (vv_type)(i / 7 % VV_TYPE_COUNT);
+            if (vvi_project_kernels_nth(b)->needs & ~vvi_cpu_detect())
+                continue;
+            for (size_t k = 0; k < MOST; k++)
+                row[k] = test_random(i, k);
+            for (int which = 0; which < 2; which++) {
+                const vvi_project_loops *l =
+                    &(which ? vvi_project_kernels_nth(b) : vvi_project_kernels_for(0))->of[type];
+                double(*v)[MOST] = (void *)states[which];
+                const vvi_project_sums sums = {v[0], v[1], v[2]};
+                memset(states[which], 0, sizeof states[which]);
+                switch (i / 7 / VV_TYPE_COUNT) {
+                case 0:
+                case 1:
+                    l->extreme[i % 2](v, (char *)row, n);
+                    break;
+                case 2:
+                case 3:
+                    l->extreme_of[i % 2](v, (char *)row, n);
+                    break;
+                case 4:
+                    l->sum(&sums, (char *)row, n);
+                    break;
+                case 5:
+                    l->square(&sums, (char *)row, n);
+                    break;
+                case 6:
+                    l->sum_of(&sums, (char *)row, n);
+                    break;
+                default:
+                    l->square_of(&sums, (char *)row, n);
+                }
+            }
+            for (size_t k = 0; k < sizeof states[0] / 8; k++) {
+                const double got = ((double *)states[1])[k], want = ((double *)states[0])[k];
+                if (((uint64_t *)states[1])[k] != ((uint64_t *)states[0])[k] && !(isnan(got) && isnan(want)))
+                    fail_msg("%s, loop %d, %d samples: %.17g, not %.17g", vv_type_name(type),
+                             (int)(i / 7 / VV_TYPE_COUNT), (int)n, got, want);
+            }
+        }
+}
+
 static void padding_is_where_it_was(void **state)
 {
     vv_field *in = random_field(VV_TYPE_F32, 5, 4, 3, 1), *out;
@@ -80,6 +133,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(padding_is_the_same_in_all_ways),
         cmocka_unit_test(projecting_is_the_same_in_all_ways),
+        cmocka_unit_test(projecting_is_the_same_with_every_instruction_set),
         cmocka_unit_test(padding_is_where_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,7 @@
 /* Filters of values: the same bytes for any number of threads and any box, whose truth tests/cli has. */
+#include "core/cpu.h"
 #include "fields.h"
+#include "filter/normals_kernel.h"
 #include "operations.h"
 #include "registry.h"
 
@@ -55,6 +57,40 @@ static void merging_is_the_same_in_all_ways(void **state)
         all_ways(&vvi_operation_merge, settings, type, 1);
 }
 
+static uint64_t mixed(uint64_t v)
+{
+    v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9;
+    v = (v ^ v >> 27) * 0x94d049bb133111eb;
+    return v ^ v >> 31;
+}
+
+/* Box & Muller's formula with the C library's functions; every build gives the same bits. */
+static void normal_numbers_are_those_of_the_formula(void **state)
+{
+    enum { MOST = 5000 };
+    static double a[2][MOST + VVI_NORMALS_GUARD], b[2][MOST + VVI_NORMALS_GUARD];
+    static const int64_t sizes[] = {MOST, 1, 7, 8, 9, 257};
+    for (size_t k = 0; vvi_normals_kernels_nth(k); k++)
+        for (uint64_t c = 0; c < sizeof sizes / sizeof *sizes; c++) {
+            const uint64_t seed = mixed(c), first = c * 1000003;
+            const int64_t n = sizes[c];
+            if (vvi_normals_kernels_nth(k)->needs & ~vvi_cpu_detect())
+                continue;
+            vvi_normals_kernels_for(0)->make(a[0], b[0], seed, first, n);
+            vvi_normals_kernels_nth(k)->make(a[1], b[1], seed, first, n);
+            assert_memory_equal(a[0], a[1], (size_t)n * sizeof *a[0]);
+            assert_memory_equal(b[0], b[1], (size_t)n * sizeof *b[0]);
+            for (uint64_t i = 0; i < (uint64_t)n; i++) {
+                const uint64_t key = mixed(seed + (first + i + 1) * VVI_NORMALS_STEP);
+                const double u = (double)((mixed(key + VVI_NORMALS_STEP) >> 11) + 1) * 0x1p-53;
+                const double v = (double)((mixed(key + 2 * VVI_NORMALS_STEP) >> 11) + 1) * 0x1p-53;
+                const double length = sqrt(-2 * log(u)), angle = 6.283185307179586 * v;
+                assert_true(fabs(a[1][i] - length * cos(angle)) < 1e-14);
+                assert_true(fabs(b[1][i] - length * sin(angle)) < 1e-14);
+            }
+        }
+}
+
 static void noise_is_the_same_in_all_ways(void **state)
 {
     static const char *const settings[] = {"sigma=3", "kind=\"poisson\"", "kind=\"rician\";seed=9",
@@ -100,6 +136,7 @@ int main(void)
         cmocka_unit_test(clamping_is_the_same_in_all_ways),
         cmocka_unit_test(masking_is_the_same_in_all_ways),
         cmocka_unit_test(merging_is_the_same_in_all_ways),
+        cmocka_unit_test(normal_numbers_are_those_of_the_formula),
         cmocka_unit_test(noise_is_the_same_in_all_ways),
         cmocka_unit_test(histograms_are_changed_the_same_in_all_ways),
         cmocka_unit_test(channels_of_a_mask_go_each_with_its_own),

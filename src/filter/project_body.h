@@ -1,0 +1,112 @@
+/* The loops of project_kernel.h for one type of sample. Before it: SAMPLE and NAME(x), which names a function for it.
+ * Nothing is worked out on a condition alone: vectors have no branches. */
+
+#define LARGER(a, b) ((b) != (b)) | ((b) <= (a)) ? (a) : (b)
+#define SMALLER(a, b) ((b) != (b)) | ((b) >= (a)) ? (a) : (b)
+
+/* Sample by sample; along the row, the blocks together, and in the end their halves. */
+#define EXTREME(name, BETTER)                                                                                          \
+    static void NAME(name)(void *extreme, const char *row, int64_t n)                                                  \
+    {                                                                                                                  \
+        SAMPLE *out = extreme;                                                                                         \
+        for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {                                       \
+            SAMPLE v[STEP], best[STEP];                                                                                \
+            take(v, row, n - at, sizeof *v);                                                                           \
+            take(best, out + at, n - at, sizeof *best);                                                                \
+            for (int i = 0; i < STEP; i++)                                                                             \
+                best[i] = BETTER(best[i], v[i]);                                                                       \
+            give(out + at, best, n - at, sizeof *best);                                                                \
+        }                                                                                                              \
+    }                                                                                                                  \
+    static void NAME(name##_of)(void *extreme, const char *row, int64_t n)                                             \
+    {                                                                                                                  \
+        SAMPLE best[STEP], *out = extreme;                                                                             \
+        for (int i = 0; i < STEP; i++)                                                                                 \
+            best[i] = *out;                                                                                            \
+        for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {                                       \
+            SAMPLE v[STEP];                                                                                            \
+            take(v, row, n - at, sizeof *v);                                                                           \
+            for (int i = (int)(n - at); i < STEP; i++)                                                                 \
+                v[i] = *out;                                                                                           \
+            for (int i = 0; i < STEP; i++)                                                                             \
+                best[i] = BETTER(best[i], v[i]);                                                                       \
+        }                                                                                                              \
+        VV_UNROLL                                                                                                      \
+        for (int half = STEP / 2; half > 0; half /= 2)                                                                 \
+            for (int i = 0; i < half; i++)                                                                             \
+                best[i] = BETTER(best[i], best[half + i]);                                                             \
+        *out = best[0];                                                                                                \
+    }
+EXTREME(largest, LARGER)
+EXTREME(smallest, SMALLER)
+#undef EXTREME
+#undef LARGER
+#undef SMALLER
+
+/* Numbers first: with gcc 12 comparisons of what were floats are no vectors beside sums of doubles. */
+static void NAME(numbers)(double out[STEP], const char *row, int64_t n)
+{
+    SAMPLE v[STEP];
+    take(v, row, n, sizeof *v);
+    for (int i = 0; i < STEP; i++)
+        out[i] = (double)v[i];
+}
+
+static void NAME(sum)(const vvi_project_sums *sums, const char *row, int64_t n)
+{
+    for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
+        double v[STEP], sum[STEP], count[STEP];
+        NAME(numbers)(v, row, n - at);
+        take(sum, sums->sum + at, n - at, sizeof *sum);
+        take(count, sums->count + at, n - at, sizeof *count);
+        add(sum, count, v);
+        give(sums->sum + at, sum, n - at, sizeof *sum);
+        give(sums->count + at, count, n - at, sizeof *count);
+    }
+}
+
+static void NAME(square)(const vvi_project_sums *sums, const char *row, int64_t n)
+{
+    for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
+        double v[STEP], mean[STEP], square[STEP], count[STEP];
+        NAME(numbers)(v, row, n - at);
+        take(mean, sums->sum + at, n - at, sizeof *mean);
+        take(square, sums->square + at, n - at, sizeof *square);
+        take(count, sums->count + at, n - at, sizeof *count);
+        add_square(mean, square, count, v);
+        give(sums->sum + at, mean, n - at, sizeof *mean);
+        give(sums->square + at, square, n - at, sizeof *square);
+        give(sums->count + at, count, n - at, sizeof *count);
+    }
+}
+
+/* Behind the end of the row are zeros. */
+static void NAME(sum_of)(const vvi_project_sums *sums, const char *row, int64_t n)
+{
+    double v[STEP], sum[STEP] = {0}, count[STEP] = {0};
+    for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
+        NAME(numbers)(v, row, n - at);
+        add(sum, count, v);
+    }
+    *sums->sum = halves_added(sum);
+    *sums->count = halves_added(count) - (double)((STEP - n % STEP) % STEP);
+}
+
+/* The row is in the cache: first the mean, then what is away from it. */
+static void NAME(square_of)(const vvi_project_sums *sums, const char *row, int64_t n)
+{
+    double v[STEP], square[STEP] = {0};
+    NAME(sum_of)(sums, row, n);
+    const double mean = *sums->sum / *sums->count;
+    for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
+        NAME(numbers)(v, row, n - at);
+        for (int i = (int)(n - at); i < STEP; i++)
+            v[i] = mean;
+        for (int i = 0; i < STEP; i++) {
+            const double away = v[i] - mean, all = square[i] + away * away;
+            square[i] = away == away ? all : square[i];
+        }
+    }
+    *sums->sum = mean;
+    *sums->square = halves_added(square);
+}
