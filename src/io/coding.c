@@ -142,6 +142,43 @@ vv_status vvi_decoder_new(vvi_decoder **out, vvi_coding coding, vv_job *job)
     return VV_OK;
 }
 
+/* The library keeps what it looks back at in its state, and takes pointers anew with every step. */
+static bool copy_state(vvi_decoder *to, vvi_decoder *from)
+{
+#if VV_HAVE_ISAL
+    if (from->fast) {
+        if ((to->fast = vvi_calloc(1, sizeof *to->fast)) != NULL)
+            memcpy(to->fast, from->fast, sizeof *to->fast);
+        return to->fast != NULL;
+    }
+#endif
+    return inflateCopy(&to->gzip, &from->gzip) == Z_OK;
+}
+
+bool vvi_coding_copies(vvi_coding coding)
+{
+    return coding == VVI_CODING_GZIP || coding == VVI_CODING_ZLIB || coding == VVI_CODING_DEFLATE;
+}
+
+vv_status vvi_decoder_copy(vvi_decoder **out, vvi_decoder *d, vv_job *job)
+{
+    *out = NULL;
+    if (!vvi_coding_copies(d->coding))
+        return VV_OK;
+    vvi_decoder *copy = vvi_alloc_zeroed(job, sizeof *copy, VVI_MEM_SCRATCH);
+    if (!copy)
+        return vv_fail_memory(sizeof *copy);
+    copy->coding = d->coding;
+    copy->checked = d->checked;
+    copy->live = copy_state(copy, d);
+    if (!copy->live) {
+        vvi_decoder_free(copy);
+        return vv_fail(VV_E_MEMORY, "not enough memory for the %s decoder", vvi_coding_name(d->coding));
+    }
+    *out = copy;
+    return VV_OK;
+}
+
 bool vvi_decoder_reset(vvi_decoder *d)
 {
     decoder_stop(d);

@@ -20,11 +20,17 @@ vvi_coding vvi_coding_of(const uint8_t *head, size_t n);
 /** VV_E_UNSUPPORTED when this build has no such library. */
 vv_status vvi_coding_available(vvi_coding coding);
 
+/** Whether a decoder of it can be copied where it stands. */
+bool vvi_coding_copies(vvi_coding coding);
+
 typedef struct vvi_decoder vvi_decoder;
 vv_status vvi_decoder_new(vvi_decoder **out, vvi_coding coding, vv_job *job);
 /** Advances the step. *member_end: the coded stream ended; what follows, if anything, is another or does not matter.
  * NULL, or what is wrong with the data. */
 const char *vvi_decoder_run(vvi_decoder *decoder, vvi_coding_step *step, bool *member_end);
+/** A second one that stands where the first does and goes on by itself. *out NULL with VV_OK: vvi_coding_copies() says
+ * that this is not to be had. */
+vv_status vvi_decoder_copy(vvi_decoder **out, vvi_decoder *decoder, vv_job *job);
 /** Ready for another stream. False: no memory. */
 bool vvi_decoder_reset(vvi_decoder *decoder);
 void vvi_decoder_free(vvi_decoder *decoder); /* NULL is fine */

@@ -249,6 +249,7 @@ vv_status vvi_data_files_read(vv_field **out, const vv_field_info *info, const v
         vvi_elements elements = {.user = &r,
                                  .read_some = read_only_file,
                                  .end = end_of_only_file,
+                                 .end_by_bytes = !d->numbers,
                                  .name = d->n ? d->name[0] : d->header,
                                  .check_end = check_end};
         if ((st = open_file(&r, 0)) == VV_OK)

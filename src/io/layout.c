@@ -77,6 +77,7 @@ typedef struct walk {
     size_t in_bytes, out_bytes; /* of an element */
     uint8_t *row;               /* SCATTER_ELEMENTS elements */
     uint64_t done, total;
+    int64_t frame;
     uint64_t end; /* elements of the file that are there, where it is cut short; else UINT64_MAX */
 } walk;
 
@@ -107,7 +108,7 @@ static void plan_walk(walk *w, const vvi_layout *layout, int components, int64_t
         {0, box->lo[2], box->lo[2] + box->n[2], step_z},
         {0, frame, frame + 1, 0},
     };
-    *w = (walk){.layout = layout, .n_axes = layout->n_axes, .end = UINT64_MAX};
+    *w = (walk){.layout = layout, .n_axes = layout->n_axes, .frame = frame, .end = UINT64_MAX};
     for (int a = 0; a < layout->n_axes; a++) {
         w->axis[a] = roles[layout->axis[a].role];
         w->axis[a].n = layout->axis[a].n;
@@ -175,6 +176,55 @@ static void scatter_half(uint8_t *out, const uint8_t *row, size_t n, int64_t ste
         to[(int64_t)i * step] = vvi_half_to_float(from[i]);
 }
 
+/* Elements of a frame among the first `end` of the file. */
+static uint64_t count_in_frame(const vvi_layout *layout, int64_t frame, uint64_t end)
+{
+    uint64_t total = 1, count = 0, all = 1, wanted = 1; /* below an axis: elements of all frames, of this one */
+    for (int a = 0; a < layout->n_axes; a++)
+        total *= (uint64_t)layout->axis[a].n;
+    if (end > total)
+        end = total;
+    for (int a = 0; a < layout->n_axes; a++) {
+        const vvi_layout_axis *axis = &layout->axis[a];
+        const uint64_t n = (uint64_t)axis->n, digit = a + 1 < layout->n_axes ? end / all % n : end / all;
+        const bool is_frame = axis->role == VVI_ROLE_FRAME;
+        if (!is_frame)
+            count += digit * wanted;
+        else if (digit > (uint64_t)frame)
+            count = wanted;
+        else if (digit < (uint64_t)frame)
+            count = 0;
+        all *= n;
+        wanted *= is_frame ? 1 : n;
+    }
+    return count;
+}
+
+/* The rule of the half is about the whole volume, and so are the numbers, whichever box of it is read. */
+static vv_status check_half(const walk *w, uint64_t end)
+{
+    const unsigned long long there = count_in_frame(w->layout, w->frame, end),
+                             total = count_in_frame(w->layout, w->frame, UINT64_MAX);
+    if (there >= total - total / 2)
+        return VV_OK;
+    return vv_fail_at(VV_E_FORMAT, w->elements->name, NULL,
+                      "is cut short: %llu of the %llu numbers that its header promises are there, less than half; "
+                      "get a complete copy",
+                      there, total);
+}
+
+/* Before elements are written up to `to_end`: no page of the output beyond it has been touched, whatever the order. */
+static vv_status hold(const walk *w, const uint8_t *to_end)
+{
+    bool cut = false;
+    if (!w->elements->source)
+        return VV_OK;
+    const vv_status st = vvi_source_hold(w->elements->source, (uint64_t)(to_end - w->out), &cut);
+    if (st != VV_OK || !cut || !w->elements->end_by_bytes)
+        return st;
+    return check_half(w, w->elements->end(w->elements->user));
+}
+
 /* Elements into `to`; those that the file does not have any more are not there: NaN, or 0. */
 static vv_status read_elements(walk *w, uint8_t *to, uint64_t first, size_t n)
 {
@@ -200,7 +250,8 @@ static vv_status read_run(walk *w, uint64_t first, uint64_t n, uint8_t *out, int
     while (n > 0 && st == VV_OK) {
         const size_t m = n < piece ? (size_t)n : piece;
         uint8_t *to = direct ? out : w->row;
-        if ((st = read_elements(w, to, first, m)) != VV_OK)
+        const int64_t last = (int64_t)((m - 1) * w->out_bytes) * step;
+        if ((st = hold(w, out + last + w->out_bytes)) != VV_OK || (st = read_elements(w, to, first, m)) != VV_OK)
             return st;
         if (w->layout->swap)
             vvi_swap_bytes(to, w->in_bytes, m);
@@ -305,45 +356,16 @@ bool vvi_layout_mappable(const vvi_layout *layout, uint64_t offset)
     return is_one_run(&w) && offset % vv_type_bytes(layout->type) == 0;
 }
 
-/* Elements of a frame among the first `end` of the file. */
-static uint64_t count_in_frame(const vvi_layout *layout, int64_t frame, uint64_t end)
+/* Boxes of a volume that is streamed say the same, which is told once. */
+static vv_status tell_missing(const walk *w)
 {
-    uint64_t total = 1, count = 0, all = 1, wanted = 1; /* below an axis: elements of all frames, of this one */
-    for (int a = 0; a < layout->n_axes; a++)
-        total *= (uint64_t)layout->axis[a].n;
-    if (end > total)
-        end = total;
-    for (int a = 0; a < layout->n_axes; a++) {
-        const vvi_layout_axis *axis = &layout->axis[a];
-        const uint64_t n = (uint64_t)axis->n, digit = a + 1 < layout->n_axes ? end / all % n : end / all;
-        const bool is_frame = axis->role == VVI_ROLE_FRAME;
-        if (!is_frame)
-            count += digit * wanted;
-        else if (digit > (uint64_t)frame)
-            count = wanted;
-        else if (digit < (uint64_t)frame)
-            count = 0;
-        all *= n;
-        wanted *= is_frame ? 1 : n;
-    }
-    return count;
-}
-
-/* The rule of the half is about the whole volume, and so are the numbers, whichever box of it is read: boxes of a
- * volume that is streamed then say the same, which is told once. */
-static vv_status tell_missing(const walk *w, int64_t frame)
-{
-    const char *name = w->elements->name;
-    const unsigned long long there = count_in_frame(w->layout, frame, w->end),
-                             total = count_in_frame(w->layout, frame, UINT64_MAX);
-    if (there < total - total / 2)
-        return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "is cut short: %llu of the %llu numbers that its header promises are there, less than half; "
-                          "get a complete copy",
-                          there, total);
-    vvi_job_damage(w->job, "io", "%s: is cut short: %llu of %llu numbers are there, the rest is %s", name, there, total,
-                   vv_type_is_float(w->layout->type) ? "NaN" : "0");
-    return VV_OK;
+    const vv_status st = check_half(w, w->end);
+    if (st == VV_OK)
+        vvi_job_damage(w->job, "io", "%s: is cut short: %llu of %llu numbers are there, the rest is %s",
+                       w->elements->name, (unsigned long long)count_in_frame(w->layout, w->frame, w->end),
+                       (unsigned long long)count_in_frame(w->layout, w->frame, UINT64_MAX),
+                       vv_type_is_float(w->layout->type) ? "NaN" : "0");
+    return st;
 }
 
 static vv_status fill(walk *w, const vv_field_info *part, const vv_field_info *info, const vv_box *box, void *data)
@@ -357,7 +379,7 @@ static vv_status fill(walk *w, const vv_field_info *part, const vv_field_info *i
     }
     vv_status st = walk_axes(w, w->n_axes - 1, 0, w->out);
     if (st == VV_OK && w->end != UINT64_MAX)
-        st = tell_missing(w, part->frame);
+        st = tell_missing(w);
     else if (st == VV_OK)
         st = check_checksums(w, info, box);
     if (st == VV_OK && w->layout->negate)
@@ -376,8 +398,6 @@ vv_status vvi_layout_read(vv_field **out, const vv_field_info *info, const vvi_l
     const vv_box box = box_of(info, region);
     const vv_field_info part = info_of_part(info, frame, &box);
     vv_status st = vv_field_info_bytes(&bytes, &part);
-    if (st == VV_OK && elements->source)
-        st = vvi_source_prove(elements->source, bytes);
     if (st != VV_OK || (st = vvi_memory_plan(job, bytes, "volume")) != VV_OK)
         return st;
     plan_walk(&w, layout, info->components, frame, &box);
@@ -462,6 +482,7 @@ vv_status vvi_layout_read_plain(vv_field **out, const vv_field_info *info, const
     const vvi_elements elements = {.user = &p,
                                    .read_some = read_plain,
                                    .end = end_of_plain,
+                                   .end_by_bytes = true,
                                    .name = vvi_source_name(source),
                                    .check_end = check_plain_end,
                                    .source = source};

@@ -32,7 +32,8 @@ typedef struct vvi_elements {
     vv_status (*read_some)(void *user, void *out, uint64_t first, size_t n, size_t *n_got);
     /** How many elements there are, once read_some gave less. NULL: those before that. */
     uint64_t (*end)(const void *user);
-    const char *name; /* stands in what is said of a file that is cut short; needed with read_some */
+    bool end_by_bytes; /* and as soon as it is known how many bytes `source` has */
+    const char *name;  /* stands in what is said of a file that is cut short; needed with read_some */
     /** The last element was read: whatever guards it is checked. May be NULL. */
     vv_status (*check_end)(void *user);
     vv_source *source; /* where the elements are unpacked from, as one stream; NULL: several, or none */

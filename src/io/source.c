@@ -251,7 +251,7 @@ uint64_t vvi_source_left(vv_source *s, bool *exact)
 uint64_t vvi_source_end(const vv_source *s)
 {
     if (s->decoder || s->parent || !s->store->seekable)
-        return s->decoded;
+        return s->cut_at ? s->cut_at : s->decoded;
     const uint64_t there = s->store->size > s->start ? s->store->size - s->start : 0;
     return there < s->n ? there : s->n;
 }
@@ -272,7 +272,10 @@ static size_t take_ahead(vv_source *s, void *out, size_t n)
 
 vv_status vvi_source_read_some(vv_source *s, void *out, size_t n, size_t *n_read)
 {
-    vv_status st = VV_OK;
+    *n_read = 0;
+    vv_status st = vvi_source_hand(s, n);
+    if (st != VV_OK)
+        return st;
     *n_read = take_ahead(s, out, n);
     while (*n_read < n && st == VV_OK) {
         size_t got = 0;
@@ -344,7 +347,7 @@ vv_status vvi_source_skip(vv_source *s, uint64_t n)
     return st;
 }
 
-static vv_status rewind_to_start(vv_source *s)
+vv_status vvi_source_rewind(vv_source *s)
 {
     if (!s->store->seekable)
         return vv_fail_at(VV_E_UNSUPPORTED, s->name, NULL,
@@ -382,7 +385,7 @@ vv_status vvi_source_seek(vv_source *s, uint64_t offset)
         s->at = offset;
     }
     if (offset < s->at && !kept_in_file(s)) {
-        const vv_status st = rewind_to_start(s);
+        const vv_status st = vvi_source_rewind(s);
         if (st != VV_OK)
             return st;
     }

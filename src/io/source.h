@@ -88,11 +88,12 @@ vv_status vvi_source_line(vv_source *source, const char **line_out, size_t most,
 vvi_coding vvi_source_sniff(vv_source *source);
 /** This source and all that is opened of it from now on come from somebody who is not trusted. */
 void vvi_source_distrust(vv_source *source);
-/** Before memory is taken for `bytes` of what is coded: where that is much more than the file has, all of it is
- * unpacked once and thrown away, so that a damaged one costs no more than its reading. Of strangers' files, where it is
- * more than 64 MiB and twice the file (docs/decisions/0021-proven-before-memory.md). VV_OK where it is none of these,
- * or cut short, which readers make what they can of. */
-vv_status vvi_source_prove(vv_source *source, uint64_t bytes);
+/** Before memory holds `bytes` of what comes from coded data: where that is more than 64 MiB and twice the file, what
+ * follows is unpacked to its end and thrown away, so that damaged data cost no more until they are refused. Where the
+ * source stands does not change (docs/decisions/0021-proven-before-memory.md). VV_OK also where the data are cut short,
+ * which readers make what they can of: *cut_out. Who calls this tells what is held, from the first call on; for others
+ * the source does it and counts all that it hands out. */
+vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out);
 /** What else will be read of the same data, in order and to its end, so that the checksum there need not be looked for
  * now: the rest of a time step that is read in slabs, later time steps. */
 enum { VVI_FOLLOW_SLABS = 1, VVI_FOLLOW_FRAMES = 2 };

@@ -1,15 +1,18 @@
 /* Whether coded data are what was written: checksums stand at their end, and what is read of them may lie before. */
 #include "core/cache.h"
 #include "core/job.h"
+#include "core/memory.h"
 #include "io/source_impl.h"
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 
-/* What strangers' files may cost before they are known to be whole: this much, and twice their size. Others, which are
- * read twice in hardly more time than once where they unpack to so many times their size. */
-#define UNPROVEN_BYTES ((uint64_t)64 << 20)
-#define UNPROVEN_TIMES_STRANGE 2
-#define UNPROVEN_TIMES 32
+/* What data may cost before they are known to be whole is 64 MiB and twice the file. Windows and states are in it. */
+#define UNPROVEN_BYTES ((uint64_t)60 << 20)
+#define UNPROVEN_TIMES 2
+/* Of codings whose decoders cannot be copied, all is unpacked anew to be proven. Where it is this many times as much as
+ * was packed, that takes hardly longer than to write it to memory; strangers' data wait for it even so. */
+#define UNPROVEN_TIMES_ANEW 32
 /* Unpacked in half a second, with zlib in two. */
 #define REST_MOST ((uint64_t)512 << 20)
 
@@ -31,16 +34,65 @@ void vvi_source_distrust(vv_source *source)
     source->strange = true;
 }
 
-/* All of it, once, from where it stands. */
-static vv_status go_to_end(vv_source *s)
+/* Proving -------------------------------------------------------------------------------------------------------- */
+
+/* With buffers and a decoder of its own. Where that cannot begin where the other stands, it begins at the start. */
+static vv_status stand_aside(vv_source *s)
 {
-    const vv_status st = vvi_source_skip(s, UINT64_MAX - s->at);
-    if (st != VV_OK)
+    const vv_source was = *s;
+    s->ahead = s->coded = NULL;
+    s->decoder = NULL;
+    s->restarts = -1; /* no temporary file takes the place of what both read */
+    s->ahead = vvi_alloc(s->job, VVI_SOURCE_WINDOW, VVI_MEM_SCRATCH);
+    if (!s->ahead)
+        return vv_fail_memory(VVI_SOURCE_WINDOW);
+    memcpy(s->ahead, was.ahead, VVI_SOURCE_WINDOW);
+    if (!was.decoder)
+        return VV_OK;
+    s->coded = vvi_alloc(s->job, VVI_SOURCE_WINDOW, VVI_MEM_SCRATCH);
+    if (!s->coded)
+        return vv_fail_memory(VVI_SOURCE_WINDOW);
+    memcpy(s->coded, was.coded, VVI_SOURCE_WINDOW);
+    vv_status st = vvi_decoder_copy(&s->decoder, was.decoder, s->job);
+    if (st != VV_OK || s->decoder)
         return st;
+    st = vvi_decoder_new(&s->decoder, s->coding, s->job);
+    return st == VV_OK ? vvi_source_rewind(s) : st;
+}
+
+typedef struct proof {
+    vv_source *source;
+    uint64_t cut_at; /* 0: it is whole */
+} proof;
+
+/* At its end. */
+static vv_status judge(proof *p)
+{
+    const vv_source *s = p->source;
     if (s->problem[0] && !s->cut)
         return vvi_source_fail(s);
-    s->proven = !s->cut;
+    p->cut_at = s->cut ? s->decoded : 0;
     return VV_OK;
+}
+
+static vv_status go_to_end(proof *p)
+{
+    const vv_status st = vvi_source_skip(p->source, UINT64_MAX - p->source->at);
+    return st == VV_OK ? judge(p) : st;
+}
+
+/* Goes there with `s`, one of those that the source stands on, and with those below it, and leaves all as they were. */
+static vv_status go_aside(vv_source *s, proof *p)
+{
+    const vv_source was = *s;
+    vv_status st = stand_aside(s);
+    if (st == VV_OK)
+        st = s->parent ? go_aside(s->parent, p) : go_to_end(p);
+    vvi_free(s->ahead);
+    vvi_free(s->coded);
+    vvi_decoder_free(s->decoder);
+    *s = was;
+    return st;
 }
 
 /* What is proven of a file need not be proven again when it is opened anew ----------------------------------------- */
@@ -59,25 +111,27 @@ static bool identify(vvi_cache_key *out, const vv_source *s)
 
 static vv_status prove(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
-    vv_source *s = user;
+    proof *p = user;
     (void)job;
     *value_out = NULL;
     *bytes_out = 0;
-    const vv_status st = go_to_end(s);
-    return st == VV_OK && s->cut ? VV_E_FORMAT : st; /* told by who asked, and not to be remembered */
+    const vv_status st = go_aside(p->source, p);
+    return st == VV_OK && p->cut_at ? VV_E_FORMAT : st; /* told by who asked, and not to be remembered */
 }
 
 /* VV_OK also where it is cut. */
 static vv_status prove_once(vv_source *s)
 {
     vvi_cache_key key;
-    vvi_cached *entry;
-    if (!identify(&key, s))
-        return go_to_end(s);
-    const vv_status st = vvi_cache_get(&entry, &key, prove, NULL, s, s->job);
+    vvi_cached *entry = NULL;
+    proof p = {s, 0};
+    const vv_status st = s->ended            ? judge(&p)
+                         : identify(&key, s) ? vvi_cache_get(&entry, &key, prove, NULL, &p, s->job)
+                                             : go_aside(s, &p);
     vvi_cache_release(entry);
-    s->proven |= st == VV_OK;
-    return s->cut ? VV_OK : st;
+    s->cut_at = p.cut_at;
+    s->proven |= st == VV_OK && p.cut_at == 0;
+    return p.cut_at ? VV_OK : st;
 }
 
 /* What is not there ------------------------------------------------------------------------------------------------ */
@@ -98,20 +152,42 @@ vv_status vvi_source_lacks(const vv_source *source, vv_status checked)
 
 /* Before and after samples are read -------------------------------------------------------------------------------- */
 
-vv_status vvi_source_prove(vv_source *s, uint64_t bytes)
+/* How much may be held of it before it is proven. */
+static uint64_t unproven_most(vv_source *s)
 {
     bool exact;
-    if (!(s = coded(s)) || (s->parent && !s->strange) || s->proven || !s->store->seekable)
+    const vv_source *c = s;
+    while (s->parent) /* packed twice: what the file has of it */
+        s = s->parent;
+    const uint64_t packed = vvi_source_window_bytes(s, &exact);
+    const uint64_t times = vvi_coding_copies(c->coding) || c->strange ? UNPROVEN_TIMES : UNPROVEN_TIMES_ANEW;
+    return packed < (UINT64_MAX - UNPROVEN_BYTES) / times ? UNPROVEN_BYTES + times * packed : UINT64_MAX;
+}
+
+static vv_status prove_before(vv_source *s, uint64_t bytes)
+{
+    const bool known = s->proven || s->cut_at || s->ended || !s->store->seekable;
+    return bytes <= UNPROVEN_BYTES || known || bytes <= unproven_most(s) ? VV_OK : prove_once(s);
+}
+
+vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out)
+{
+    vv_source *s = coded(source);
+    *cut_out = false;
+    if (!s)
         return VV_OK;
-    vv_source *root = s; /* packed twice: what the file has of it */
-    while (root->parent)
-        root = root->parent;
-    const uint64_t packed = vvi_source_window_bytes(root, &exact), at = s->at;
-    const uint64_t times = s->strange ? UNPROVEN_TIMES_STRANGE : UNPROVEN_TIMES;
-    if (bytes <= UNPROVEN_BYTES || (bytes - UNPROVEN_BYTES) / times <= packed)
+    s->told = true;
+    const vv_status st = prove_before(s, bytes);
+    *cut_out = s->cut_at > 0;
+    return st;
+}
+
+vv_status vvi_source_hand(vv_source *s, uint64_t n)
+{
+    if (!s->decoder || s->told)
         return VV_OK;
-    const vv_status st = prove_once(s);
-    return st == VV_OK ? vvi_source_seek(s, at) : st;
+    s->handed = n > UINT64_MAX - s->handed ? UINT64_MAX : s->handed + n;
+    return prove_before(s, s->handed);
 }
 
 vv_status vvi_source_check_end(vv_source *s)
@@ -157,7 +233,7 @@ vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
     const vv_status st = !short_way || !s->store->seekable ? VV_OK : prove_once(s);
     if (st != VV_OK)
         return st;
-    if (s->cut)
+    if (s->cut || s->cut_at)
         vvi_job_damage(
             s->job, "io",
             "%s: is cut short: what was read of it is there, but not the checksum at its end, which would tell "

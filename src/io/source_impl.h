@@ -34,7 +34,10 @@ struct vv_source {
     vv_status problem_status;
     bool cut;          /* that the file is cut short is the problem, and no other */
     bool proven;       /* all of it has been seen, and its checksums were right */
+    uint64_t cut_at;   /* all of it has been seen, and it is cut after so many decoded bytes; 0: not so */
     bool strange;      /* whoever made it is not trusted */
+    bool told;         /* how much memory what came from it takes is said, and not counted: vvi_source_hold() */
+    uint64_t handed;   /* bytes handed out, as long as they are counted */
     unsigned follow;   /* VVI_FOLLOW_* */
     vvi_lack *lack;    /* of the file that is opened; NULL: what is missing is an error */
     bool guarded;      /* all decoded bytes have this sum */
@@ -49,4 +52,7 @@ struct vv_source {
 /** Undecoded bytes of the window, from its start; an upper bound. */
 uint64_t vvi_source_window_bytes(vv_source *source, bool *exact);
 vv_status vvi_source_fail(const vv_source *source); /* with its problem */
+vv_status vvi_source_rewind(vv_source *source);
+/** Before n bytes are handed out which may be kept: where they are counted, the same as vvi_source_hold(). */
+vv_status vvi_source_hand(vv_source *source, uint64_t n);
 #endif

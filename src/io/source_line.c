@@ -38,6 +38,8 @@ vv_status vvi_source_line(vv_source *s, const char **line_out, size_t most, bool
         if ((st = line_add(s, used, head, n)) != VV_OK)
             return st;
         used += n;
+        if ((st = vvi_source_hand(s, n)) != VV_OK)
+            return st;
         whole = stop || there == 0;
         *end = !stop && there == 0 && used == 0;
         if ((st = vvi_source_skip(s, n + (stop != NULL))) != VV_OK)

@@ -185,6 +185,7 @@ vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset
         vvi_source_close(s);
         return st;
     }
+    source->told |= coding != VVI_CODING_NONE; /* what it hands out is unpacked again and not kept */
     *out = s;
     return VV_OK;
 }
@@ -246,6 +247,7 @@ static void become(vv_source *s, vvi_store *store)
     s->between = true;
     s->ended = false;
     s->guarded = false; /* all of it has gone through its sum */
+    s->cut_at = 0;
 }
 
 vv_status vvi_source_spool(vv_source *s, vv_job *job)

@@ -146,6 +146,106 @@ static void cut_coded_files_say_that_they_are_cut(void **state)
     }
 }
 
+/* The first byte of the last `back` is another. */
+static void damage(const char *path, size_t back)
+{
+    size_t n;
+    uint8_t *bytes = io_get(path, &n);
+    bytes[n - back] ^= 0xff;
+    io_put(path, bytes, n);
+    free(bytes);
+}
+
+static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(void **state)
+{
+    enum { MANY = 5 * N, AT = 2 * N + 77 };
+    const uint64_t much = (uint64_t)1 << 30; /* more than may be held unproven of so small a file */
+    for (int c = VVI_CODING_GZIP; c <= VVI_CODING_ZSTD; c++)
+        for (int spoilt = 0; spoilt <= (c != VVI_CODING_ZSTD); spoilt++) { /* which is written without a sum */
+            bool cut;
+            vv_source *source, *twice;
+            const char *path = io_path(state, "proven");
+            write_coded_at(path, (vvi_coding)c, MANY, 1);
+            if (spoilt)
+                damage(path, c == VVI_CODING_GZIP ? 8 : 4);
+            io_ok(vvi_source_open(&source, path, NULL));
+            vvi_source_distrust(source);
+            check_at(source, 0, AT);
+            io_ok(vvi_source_hold(source, MANY, &cut));
+            assert_int_equal(vvi_source_hold(source, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);
+            assert_false(cut);
+            assert_true(vvi_source_tell(source) == AT);
+            check_at(source, AT, MANY - AT - 9);
+            vvi_source_close(source);
+            /* a stream in a stream: what both have taken is left where it was */
+            vv_sink *sink;
+            size_t n;
+            uint8_t *bytes = io_get(path, &n);
+            io_ok(vvi_sink_open(&sink, path, NULL));
+            io_ok(vvi_sink_coding(sink, VVI_CODING_GZIP, 1));
+            io_ok(vvi_sink_write(sink, bytes, n));
+            io_ok(vvi_sink_commit(sink));
+            free(bytes);
+            io_ok(vvi_source_open(&source, path, NULL));
+            vvi_source_distrust(source);
+            io_ok(vvi_source_section(&twice, source, 0, UINT64_MAX, (vvi_coding)c, NULL));
+            check_at(twice, 0, AT);
+            assert_int_equal(vvi_source_hold(twice, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);
+            check_at(twice, AT, MANY - AT - 9);
+            vvi_source_close(twice);
+            vvi_source_close(source);
+        }
+}
+
+static void coded_data_that_are_cut_are_known_to_be_before_they_are_read_to_there(void **state)
+{
+    bool cut;
+    size_t n;
+    uint8_t *some = malloc(N);
+    vv_source *source;
+    const char *path = io_path(state, "proven");
+    write_coded_at(path, VVI_CODING_GZIP, 3 * N, 1);
+    uint8_t *bytes = io_get(path, &n);
+    io_put(path, bytes, n / 2);
+    free(bytes);
+    io_ok(vvi_source_open(&source, path, NULL));
+    check_at(source, 0, N);
+    io_ok(vvi_source_hold(source, (uint64_t)1 << 30, &cut));
+    assert_true(cut);
+    const uint64_t end = vvi_source_end(source);
+    assert_true(end > N && end < 2 * N);
+    io_ok(vvi_source_read_whole(source, some, N, &n));
+    assert_true(N + n == end);
+    free(some);
+    vvi_source_close(source);
+}
+
+/* Who reads and says nothing of what he holds. */
+static void what_is_handed_out_of_coded_data_is_counted_until_they_must_be_proven(void **state)
+{
+    enum { MANY = 80 << 20 };
+    vv_source *source;
+    const char *path = io_path(state, "zeros.gz");
+    uint8_t *zeros = calloc(1, MANY);
+    vv_sink *sink;
+    io_ok(vvi_sink_open(&sink, path, NULL));
+    io_ok(vvi_sink_coding(sink, VVI_CODING_GZIP, 1));
+    io_ok(vvi_sink_write(sink, zeros, MANY));
+    io_ok(vvi_sink_commit(sink));
+    damage(path, 8);
+    io_ok(vvi_source_open(&source, path, NULL));
+    size_t n, all = 0;
+    vv_status st = VV_OK;
+    while (st == VV_OK && all < MANY) {
+        st = vvi_source_read_some(source, zeros, 1 << 20, &n);
+        all += n;
+    }
+    assert_int_equal(st, VV_E_FORMAT);
+    assert_true(all > (size_t)50 << 20 && all < (size_t)64 << 20);
+    vvi_source_close(source);
+    free(zeros);
+}
+
 static void a_flipped_bit_in_a_gzip_file_is_found_by_its_checksum(void **state)
 {
     size_t n;
@@ -665,6 +765,9 @@ int main(void)
         cmocka_unit_test(coded_data_that_are_asked_for_again_and_again_are_kept),
         cmocka_unit_test(members_one_after_another_are_one_stream),
         cmocka_unit_test(cut_coded_files_say_that_they_are_cut),
+        cmocka_unit_test(coded_data_are_proven_from_where_they_are_read_and_read_on_there),
+        cmocka_unit_test(coded_data_that_are_cut_are_known_to_be_before_they_are_read_to_there),
+        cmocka_unit_test(what_is_handed_out_of_coded_data_is_counted_until_they_must_be_proven),
         cmocka_unit_test(a_flipped_bit_in_a_gzip_file_is_found_by_its_checksum),
         cmocka_unit_test(a_pipe_is_read_once_and_forwards),
         cmocka_unit_test(a_pipe_that_is_made_repeatable_in_time_can_be_read_again),

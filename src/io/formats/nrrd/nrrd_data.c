@@ -316,6 +316,7 @@ vv_status vvi_nrrd_read(vv_field **out, const vv_field_info *info, const void *p
     vvi_elements elements = {.user = &r,
                              .read_some = h->n_layers ? read_layer : read_elements,
                              .end = end_of_elements,
+                             .end_by_bytes = h->encoding != VVI_NRRD_HEX,
                              .name = h->n_files ? h->file[0] : vvi_source_name(source),
                              .check_end = check_end};
     if (st == VV_OK && n_files(h) == 1 && (st = open_file(&r, 0)) == VV_OK)
