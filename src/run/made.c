@@ -56,11 +56,23 @@ static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv
     return VV_OK;
 }
 
+/* What is worked out where a dataset is asked for; one that is switched off may stand for a file. */
+static vv_status look_behind(const vv_dataset **dataset, const vv_world *world, vv_job *job)
+{
+    const char *id = "";
+    return vvi_made_behind(dataset, &id, world, job);
+}
+
 static vv_status plan(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
-    const request r = {world, dataset, 0};
     vvi_cached *cached = NULL;
-    const vv_status st = get(&cached, "plan of what is made", make_info, vvi_free, &r, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_info(out, world, dataset, job);
+    const request r = {world, dataset, 0};
+    st = get(&cached, "plan of what is made", make_info, vvi_free, &r, job);
     if (st == VV_OK)
         *out = *(const vv_field_info *)vvi_cached_value(cached);
     vvi_cache_release(cached);
@@ -305,7 +317,12 @@ static vv_status get_field(vvi_cached **out, const vv_world *world, const vv_dat
 static vv_status field_of(vv_field **out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job)
 {
     vvi_cached *cached = NULL;
-    const vv_status st = get_field(&cached, world, dataset, frame, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_field(out, world, dataset, NULL, frame, job);
+    st = get_field(&cached, world, dataset, frame, job);
     if (st == VV_OK)
         *out = vv_field_retain(((const result *)vvi_cached_value(cached))->field);
     vvi_cache_release(cached);
@@ -388,7 +405,12 @@ static vv_status get_mesh(vvi_cached **out, const vv_world *world, const vv_data
 static vv_status mesh_of(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vvi_cached *cached = NULL;
-    const vv_status st = get_mesh(&cached, world, dataset, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_mesh(out, world, dataset, job);
+    st = get_mesh(&cached, world, dataset, job);
     if (st == VV_OK)
         *out = vv_mesh_retain(((const result *)vvi_cached_value(cached))->mesh);
     vvi_cache_release(cached);

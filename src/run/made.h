@@ -16,14 +16,20 @@ typedef struct vvi_made {
     const char *id; /**< of the dataset */
     const vv_operation *operation;
     size_t n;                                /**< inputs, in the order of the row's operands */
-    const vv_dataset *input[VVI_RUN_INPUTS]; /**< NULL: it is left out */
+    const vv_dataset *input[VVI_RUN_INPUTS]; /**< NULL: it is left out. What stands for one that is switched off */
     const char *input_id[VVI_RUN_INPUTS];
     char *names; /**< of inputs that are named as people like, "a,b"; NULL: of none */
 } vvi_made;
 
 /** Its row and inputs, found in the World. Errors name the property. *out is for vvi_made_close(), also on failure. */
 vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+/** The same without a look at whether inputs are switched off. */
+vv_status vvi_made_open_as_is(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 void vvi_made_close(vvi_made *made);
+/** What a dataset stands for: itself, or its first input where its operation is switched off, as far back as that is
+ * so; in the place of *dataset and *id. Errors: VV_E_ARGUMENT (an operation that makes another kind than its first
+ * input is, made of itself), those of vvi_made_open(). */
+vv_status vvi_made_behind(const vv_dataset **dataset, const char **id, const vv_world *world, vv_job *job);
 /** Hash of all that decides what it is. Errors: VV_E_ARGUMENT (made of itself), VV_E_LIMIT (of too much), those of
  * vvi_made_open() for all that it stands on. */
 vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "io/data_file.h"
 #include "run/made.h"
+#include "scene/load.h"
 #include <stdlib.h>
 
 typedef struct origin {
@@ -40,8 +41,13 @@ vv_status vvi_made_open_file(vv_file **out, const vv_world *world, const vv_data
     vvi_words words = {.n = 0};
     origin *o = NULL;
     *out = NULL;
-    vv_status st = vvi_made_open(&made, world, dataset, job);
-    if (st == VV_OK)
+    const char *id = "";
+    vv_status st = vvi_made_behind(&dataset, &id, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vvi_dataset_open(out, world, dataset, job);
+    if ((st = vvi_made_open(&made, world, dataset, job)) == VV_OK)
         st = vv_dataset_info(&info, world, dataset, job);
     if (st == VV_OK && (st = vvi_words_open(&words, world, dataset, job)) == VV_OK &&
         (st = vvi_notes_new(&notes, job)) == VV_OK)

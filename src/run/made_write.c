@@ -35,8 +35,9 @@ static bool goes_on(const vvi_made_chain *chain, const vv_dataset *from, vv_job 
 vv_status vvi_made_chain_open(vvi_made_chain *out, const vv_world *world, const vv_dataset *dataset,
                               const vv_dataset *from, vv_job *job)
 {
-    vv_status st = VV_OK;
-    *out = (vvi_made_chain){.input = {dataset}, .input_id = {""}, .n_inputs = 1};
+    const char *id = "";
+    vv_status st = vvi_made_behind(&dataset, &id, world, job);
+    *out = (vvi_made_chain){.input = {dataset}, .input_id = {id}, .n_inputs = 1};
     while (st == VV_OK && goes_on(out, from, job)) {
         vvi_made made;
         if ((st = vvi_made_open(&made, world, out->input[0], job)) == VV_OK)

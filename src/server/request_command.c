@@ -121,6 +121,20 @@ static const vv_operation *made_by(const vv_world *world, const vv_dataset *data
     return has_data(find_dataset(world, source)) ? operation : NULL;
 }
 
+/* What lines take for a dataset: of one whose operation is switched off its first input. */
+static const char *behind(const vv_world *world, const char *id, const vv_registry *registry)
+{
+    for (int i = 0; i < STEPS_MOST; i++) {
+        const vv_dataset *dataset = find_dataset(world, id);
+        const vv_operation *operation =
+            dataset && vv_dataset_is_made(dataset) && !dataset->on ? made_by(world, dataset, registry) : NULL;
+        if (!operation)
+            break;
+        id = source_of(world, dataset, operation);
+    }
+    return id;
+}
+
 /* The file that it all began with; NULL: there is none. */
 static const vv_dataset *origin_of(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
 {
@@ -153,6 +167,7 @@ static const char *suffix_of(const vv_world *world, const vv_dataset *dataset, v
 /* The file of a dataset as a word of the line that comes now. */
 static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
+    id = behind(world, id, vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(world, id);
     if (made_by(world, dataset, vvi_job_registry(job))) {
         put_made(out, id, suffix_of(world, dataset, job));
@@ -165,6 +180,7 @@ static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_j
 /* NAME=FILE:PART, since options of reading are of the first. */
 static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id, vv_job *job)
 {
+    id = behind(world, id, vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(world, id);
     vvi_text_printf(out, " %s=", name);
     if (made_by(world, dataset, vvi_job_registry(job))) {
@@ -263,6 +279,7 @@ static vv_status visit_making(void *user, const char *name, const char *id)
 /* The lines that make a dataset of those that were not made here, the first one first; none where it is such a one. */
 static vv_status put_making_of(making *m, const char *id)
 {
+    id = behind(m->world, id, vvi_job_registry(m->job));
     const vv_dataset *d = find_dataset(m->world, id);
     const vv_operation *operation = d ? made_by(m->world, d, vvi_job_registry(m->job)) : NULL;
     if (!operation || is_put(m->out, id, suffix_of(m->world, d, m->job)))
@@ -446,7 +463,7 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
 static vv_status run_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const char *id = only_shown(r->world);
+    const char *id = behind(r->world, only_shown(r->world), vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(r->world, id);
     vvi_text text = {0};
     bool beyond = !has_data(dataset);

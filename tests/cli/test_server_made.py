@@ -101,6 +101,35 @@ def test_operations_run_on_what_is_made():
         assert made.read() == truth.read()
 
 
+def test_a_step_that_is_switched_off_is_left_out():
+    write_ball()
+    ok("pipe", "head.nrrd", "gaussian --sigma 4vox | median --radius 1", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                both = await page.resting()
+                await page.edit(("set", "datasets.gaussian.on", False))
+                one = await page.resting()
+                lines = (await page.ask("command"))["text"]
+                await page.ask("write", dataset="median", path=os.path.abspath("one.nrrd"))
+                await page.edit(("set", "datasets.median.on", False))
+                await page.ask("write", dataset="median", path=os.path.abspath("none.nrrd"))
+                none = (await page.ask("command"))["text"]
+                await page.edit(("set", "datasets.median.on", True), ("set", "datasets.gaussian.on", True))
+                back = await page.resting()
+                return [pixels(frame.data) for frame in (both, one, back)], lines, none
+        (both, one, back), lines, none = run(work())
+    assert psnr(both, one) < 40 <= psnr(both, back)
+    assert [line.split()[1] for line in lines.split("\n")] == ["median", "render"], lines
+    assert psnr(run_lines(lines), one) >= 40, lines
+    assert [line.split()[1] for line in none.split("\n")] == ["render"], none
+    ok("median", "head.nrrd", "--radius", 1, "-o", "truth.nrrd")
+    ok("convert", "head.nrrd", "-o", "as_it_is.nrrd")
+    for made, truth in (("one.nrrd", "truth.nrrd"), ("none.nrrd", "as_it_is.nrrd")):
+        with open(made, "rb") as one, open(truth, "rb") as other:
+            assert one.read() == other.read(), made
+
+
 def test_results_that_older_versions_wrote_are_files():
     write_ball()
     ok("gaussian", "head.nrrd", "--sigma", "3vox", "-o", "result-1.nrrd")
