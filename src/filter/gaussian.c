@@ -22,8 +22,6 @@
 #define TILE_BYTES ((int64_t)1 << 15) /* of a slice in the ring: all of them stay in the second-level cache */
 #define RING_BYTES ((int64_t)1 << 26) /* of all slices, at most */
 #define CHUNK 16                      /* slices that are done at once */
-#define ROWS_LEAST 16                 /* of a slice in the ring: x is done twice of those that y reaches beyond */
-#define ITEMS 4                       /* at least, where there is room: one thread does not wait for the other */
 
 static const vv_property properties[] = {VVI_SIGMA_PROPERTIES, {0}};
 
@@ -343,25 +341,11 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     return st;
 }
 
-/* Pieces of some rows, through all slices where that gives enough of them. */
-static vvi_slabs find_tiles(const shared *s, const vv_box *box)
+static vvi_slabs find_tiles(const shared *s, const vv_box *box, const int64_t radius[3])
 {
-    const int64_t *n = box->n, components = s->info->components;
-    vvi_slabs t = {.box = *box, .n = 1};
-    if (n[0] < 1 || n[1] < 1 || n[2] < 1)
-        return (vvi_slabs){.box = *box};
-    t.step[0] = smaller(n[0], larger(1, PIECE / components));
-    const int64_t row = t.step[0] * components * number_bytes(s);
-    const int64_t rows = larger(TILE_BYTES / row, s->weights[1].radius);
-    t.step[1] = smaller(smaller(rows, RING_BYTES / (row * s->slices)), larger((n[1] + ITEMS - 1) / ITEMS, ROWS_LEAST));
-    t.step[1] = larger(1, smaller(t.step[1], n[1]));
-    t.items[0] = (n[0] - 1) / t.step[0] + 1;
-    t.items[1] = (n[1] - 1) / t.step[1] + 1;
-    const int64_t parts = (ITEMS - 1) / (t.items[0] * t.items[1]) + 1;
-    t.step[2] = smaller(n[2], larger((n[2] - 1) / parts + 1, 2 * s->weights[2].radius + 1));
-    t.items[2] = (n[2] - 1) / t.step[2] + 1;
-    t.n = (size_t)(t.items[0] * t.items[1] * t.items[2]);
-    return t;
+    const int64_t components = s->info->components, each = components * number_bytes(s);
+    const int64_t row = larger(1, smaller(box->n[0], PIECE / components));
+    return vvi_window_columns(box, radius, row, TILE_BYTES / each, RING_BYTES / (row * each * s->slices));
 }
 
 /* Without an axis to smooth along samples are as they were. */
@@ -403,7 +387,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
         const vv_box needed = vvi_window_reach(box, radius, info->grid.dims);
         s.kernels = vvi_gaussian_kernels_for(vvi_job_cpu(job));
         s.slices = smaller(CHUNK + 2 * radius[2], needed.n[2]);
-        s.making.slabs = find_tiles(&s, box);
+        s.making.slabs = find_tiles(&s, box, radius);
         st = vvi_making_run(out, &s.making, info, box, &needed, same ? &copy : &work, &s, job);
     }
     for (int a = 0; a < 3; a++)

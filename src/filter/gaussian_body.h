@@ -1,4 +1,5 @@
-/* The loops of gaussian_kernel.h for one type of number. Before it: REAL and NAME(x), which names a function for it. */
+/* The loops of gaussian_kernel.h for one type of number. Before it: REAL, WHOLE, an integer as wide, and
+ * NAME(x), which names a function for it. */
 
 typedef REAL NAME(vector) __attribute__((vector_size(VECTOR_BYTES)));
 
@@ -69,18 +70,24 @@ static void NAME(load)(void *out_in, const char *in, vv_type type, int64_t n)
 
 static bool NAME(finite)(void *row_in, void *mask_in, int64_t n)
 {
+    typedef WHOLE lanes __attribute__((vector_size(VECTOR_BYTES)));
+    const NAME(vector) zero = {0}, one = zero + 1;
     REAL *row = row_in, *mask = mask_in;
-    int missing[STEP] = {0}, any = 0;
-    for (int64_t at = 0; at < n; at += STEP)
-        for (int i = 0; i < STEP; i++) {
-            const bool there = row[at + i] - row[at + i] == 0; /* not of NaN, nor of infinities */
-            mask[at + i] = there ? (REAL)1 : (REAL)0;
-            row[at + i] = there ? row[at + i] : (REAL)0;
-            missing[i] |= !there;
-        }
-    for (int i = 0; i < STEP; i++)
-        any |= missing[i];
-    return !any;
+    lanes missing = {0};
+    for (int64_t at = 0; at < n; at += VECTOR_BYTES / (int64_t)sizeof(REAL)) {
+        NAME(vector) v;
+        memcpy(&v, row + at, sizeof v);
+        const lanes there = v - v == zero; /* not of NaN, nor of infinities */
+        const NAME(vector) here = (NAME(vector))((lanes)one & there);
+        v = (NAME(vector))((lanes)v & there);
+        missing |= ~there;
+        memcpy(mask + at, &here, sizeof here);
+        memcpy(row + at, &v, sizeof v);
+    }
+    for (size_t i = 0; i < VECTOR_BYTES / sizeof(REAL); i++)
+        if (missing[i])
+            return false;
+    return true;
 }
 
 static void NAME(divide)(void *row_in, const void *mask_in, int64_t n)

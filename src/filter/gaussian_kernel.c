@@ -7,15 +7,19 @@ enum {
 };
 
 #define REAL float
+#define WHOLE int32_t
 #define NAME(x) x##_f32
 #include "filter/gaussian_body.h"
 #undef REAL
+#undef WHOLE
 #undef NAME
 
 #define REAL double
+#define WHOLE int64_t
 #define NAME(x) x##_f64
 #include "filter/gaussian_body.h"
 #undef REAL
+#undef WHOLE
 #undef NAME
 
 /* Above 2^22 the last bit of a float is worth 1. */

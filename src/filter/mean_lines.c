@@ -1,9 +1,8 @@
 #include "filter/mean_lines.h"
+#include "core/memory.h"
 #include "grid/field.h"
 
 #include <string.h>
-
-#define Z_BYTES 4096 /* of a row, of all planes at once: they stay in the second-level cache */
 
 vvi_mean_number vvi_mean_number_for(vv_type type, int64_t samples)
 {
@@ -89,15 +88,9 @@ void vvi_mean_load(void *out, vvi_mean_number number, const char *in, int64_t st
         load_f64(out, in, step, type, n);
 }
 
-/* Rows of numbers, bytes from one to the next. */
-typedef struct rows {
-    int64_t n, step, count; /* numbers of a row, from row to row, how many rows */
-} rows;
-
-/* Runs along one axis of `width` numbers, `step` bytes from one to the next, from the highest binary digit of width to
- * the lowest: from `in` to `out`, once for each of so many rows. */
-static void run(char *out, const char *in, const rows *r, int64_t step, int64_t width, bool along, vvi_mean_join *join,
-                int64_t bytes)
+/* Runs of `width` of n numbers, `step` bytes from one to the next, from the highest binary digit of width to the
+ * lowest. */
+static void run(char *out, const char *in, int64_t n, int64_t step, int64_t width, vvi_mean_join *join, int64_t bytes)
 {
     const char *from = in;
     int64_t done = 1;
@@ -106,12 +99,7 @@ static void run(char *out, const char *in, const rows *r, int64_t step, int64_t 
         digit++;
     for (digit--; digit >= 0; digit--) {
         const int64_t odd = width >> digit & 1, next = 2 * done + odd;
-        const int64_t n = along ? r->n - (next - 1) * (step / bytes) : r->n;
-        const int64_t count = along ? r->count : r->count - (next - 1);
-        for (int64_t k = 0; k < count; k++) {
-            const char *a = from + k * r->step;
-            join(out + k * r->step, a, a + done * step, odd ? in + k * r->step + 2 * done * step : NULL, n);
-        }
+        join(out, from, from + done * step, odd ? in + 2 * done * step : NULL, n - (next - 1) * (step / bytes));
         from = out;
         done = next;
     }
@@ -124,30 +112,103 @@ static void swap(char **a, char **b)
     *b = other;
 }
 
-/* Along x and y plane by plane, along z a part of all rows at a time: what is worked on stays in the caches. */
-void *vvi_mean_sums(void *block, void *room, vvi_mean_number number, const int64_t dims[3], const int64_t radius[3],
-                    const vvi_mean_kernels *kernels)
+static void find_levels(vvi_mean_stack *s)
 {
-    const int64_t bytes = (int64_t)vvi_mean_number_bytes(number), plane = dims[0] * dims[1], piece = Z_BYTES / bytes;
-    char *in = block, *out = room;
+    const int64_t width = 2 * s->radius[2] + 1;
+    int digit = 0;
+    while (width >> (digit + 1))
+        digit++;
+    s->levels = digit;
+    for (int l = 0; l <= s->levels; l++)
+        s->width[l] = width >> (digit - l);
+    for (int l = 0; l < s->levels; l++) /* from the first of the next level's sum to the last of this level's */
+        s->slots[l] = s->width[l + 1] - s->width[l] + 1;
+}
+
+vv_status vvi_mean_stack_init(vvi_mean_stack *s, vvi_mean_number number, const int64_t dims[2], const int64_t radius[3],
+                              const vvi_mean_kernels *kernels, vv_job *job)
+{
+    const int64_t bytes = (int64_t)vvi_mean_number_bytes(number);
+    *s = (vvi_mean_stack){.number = number, .kernels = kernels};
+    memcpy(s->radius, radius, sizeof s->radius);
+    find_levels(s);
+    s->plane = dims[0] * (dims[1] - 2 * radius[1]) * bytes + VVI_MEAN_GUARD;
+    const int64_t slice = dims[0] * dims[1] * bytes + VVI_MEAN_GUARD;
+    int64_t all = 2 * slice + s->plane;
+    for (int l = 0; l < s->levels; l++)
+        all += s->slots[l] * s->plane;
+    s->block = vvi_alloc_zeroed(job, (size_t)all, VVI_MEM_SCRATCH);
+    if (!s->block)
+        return vv_fail_memory((size_t)all);
+    s->room = s->block + slice;
+    s->sums = s->room + slice;
+    char *at = s->sums + s->plane;
+    for (int l = 0; l < s->levels; at += s->slots[l] * s->plane, l++)
+        s->ring[l] = at;
+    return VV_OK;
+}
+
+void vvi_mean_stack_finish(vvi_mean_stack *s)
+{
+    vvi_free(s->block);
+    s->block = NULL;
+}
+
+void vvi_mean_stack_begin(vvi_mean_stack *s, const int64_t dims[2])
+{
+    memcpy(s->dims, dims, sizeof s->dims);
+    s->next = 0;
+}
+
+static char *slot(const vvi_mean_stack *s, int level, int64_t k)
+{
+    return s->ring[level] + k % s->slots[level] * s->plane;
+}
+
+static int64_t kept_numbers(const vvi_mean_stack *s)
+{
+    return s->dims[0] * (s->dims[1] - 2 * s->radius[1]);
+}
+
+void vvi_mean_stack_ones(vvi_mean_stack *s, int64_t slices)
+{
+    const int64_t box = (2 * s->radius[0] + 1) * (2 * s->radius[1] + 1);
+    s->next = slices;
+    for (int l = 0; l < s->levels; l++)
+        for (int64_t k = 0; k < s->slots[l]; k++)
+            for (int64_t i = 0; i < kept_numbers(s); i++)
+                ((double *)(void *)slot(s, l, k))[i] = (double)(box * s->width[l]);
+}
+
+/* Of a slice, along x and along y: a run of 2 m or 2 m + 1 of two of m. */
+static const char *sum_slice(const vvi_mean_stack *s, int64_t bytes)
+{
+    const int64_t n = s->dims[0] * s->dims[1];
+    char *in = s->block, *out = s->room;
     for (int a = 0; a < 2; a++) {
-        if (radius[a] == 0)
+        if (s->radius[a] == 0)
             continue;
-        for (int64_t k = 0; k < dims[2]; k++) {
-            const rows one = {.n = plane, .step = 0, .count = 1};
-            run(out + k * plane * bytes, in + k * plane * bytes, &one, (a ? dims[0] : 1) * bytes, 2 * radius[a] + 1,
-                true, kernels->join[number], bytes);
-        }
+        run(out, in, n, (a ? s->dims[0] : 1) * bytes, 2 * s->radius[a] + 1, s->kernels->join[s->number], bytes);
         swap(&in, &out);
     }
-    for (int64_t at = 0; at < plane && radius[2] > 0; at += piece) {
-        const rows all = {.n = plane - at < piece ? plane - at : piece, .step = plane * bytes, .count = dims[2]};
-        run(out + at * bytes, in + at * bytes, &all, plane * bytes, 2 * radius[2] + 1, false, kernels->join[number],
-            bytes);
-    }
-    if (radius[2] > 0)
-        swap(&in, &out);
     return in;
+}
+
+const void *vvi_mean_stack_add(vvi_mean_stack *s, bool again)
+{
+    const int64_t bytes = (int64_t)vvi_mean_number_bytes(s->number), n = kept_numbers(s), last = s->next++;
+    if (s->levels == 0)
+        return sum_slice(s, bytes);
+    memcpy(slot(s, 0, last), again ? slot(s, 0, last - 1) : sum_slice(s, bytes), (size_t)(n * bytes));
+    for (int l = 0; l < s->levels; l++) {
+        const int64_t width = s->width[l], first = last - s->width[l + 1] + 1;
+        const bool odd = s->width[l + 1] & 1;
+        if (first < 0)
+            return NULL;
+        s->kernels->join[s->number](l + 1 < s->levels ? slot(s, l + 1, first) : s->sums, slot(s, l, first),
+                                    slot(s, l, first + width), odd ? slot(s, 0, last) : NULL, n);
+    }
+    return s->sums;
 }
 
 void vvi_mean_give(double *out, const void *sums, vvi_mean_number number, int64_t at, int64_t n)

@@ -358,6 +358,17 @@ static void fold_rows(scratch *own, const state *st, const shared *s, int64_t j,
         medians_of_rows(own, st, s, rows);
 }
 
+/* Of sums, whose states have how many were missing. */
+static void count_there(const state *st, const shared *s, size_t n, int64_t j, int64_t k)
+{
+    for (size_t i = 0; i < n; i++) {
+        const int64_t x = s->part.lo[0] + (int64_t)i / s->in->components;
+        int64_t lo, all;
+        slab_of(&lo, &all, &s->slabs, s->slabs.axis == 0 ? x : s->slabs.axis == 1 ? j : k);
+        st->count[i] = (double)all - st->count[i];
+    }
+}
+
 static void write_row(scratch *own, const state *st, const shared *s, int64_t j, int64_t k)
 {
     const size_t n = out_numbers(s), each = vv_type_bytes(s->info->type);
@@ -368,6 +379,8 @@ static void write_row(scratch *own, const state *st, const shared *s, int64_t j,
         memcpy(out, st->a, n * each);
         return;
     }
+    if (s->slabs.method == MEAN || s->slabs.method == SUM)
+        count_there(st, s, n, j, k);
     memcpy(own->out, st->a, n * sizeof *own->out);
     end_row(own->out, st, s, n);
     vvi_samples_from_f64(out, own->out, s->info->type, n);

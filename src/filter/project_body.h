@@ -55,13 +55,12 @@ static void NAME(numbers)(double out[STEP], const char *row, int64_t n)
 static void NAME(sum)(const vvi_project_sums *sums, const char *row, int64_t n)
 {
     for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
-        double v[STEP], sum[STEP], count[STEP];
+        double v[STEP], sum[STEP];
         NAME(numbers)(v, row, n - at);
         take(sum, sums->sum + at, n - at, sizeof *sum);
-        take(count, sums->count + at, n - at, sizeof *count);
-        add(sum, count, v);
+        if (!add(sum, v))
+            count_missing(sums->count + at, v, n - at);
         give(sums->sum + at, sum, n - at, sizeof *sum);
-        give(sums->count + at, count, n - at, sizeof *count);
     }
 }
 
@@ -83,13 +82,14 @@ static void NAME(square)(const vvi_project_sums *sums, const char *row, int64_t 
 /* Behind the end of the row are zeros. */
 static void NAME(sum_of)(const vvi_project_sums *sums, const char *row, int64_t n)
 {
-    double v[STEP], sum[STEP] = {0}, count[STEP] = {0};
+    double v[STEP], sum[STEP] = {0}, missing[STEP] = {0};
     for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
         NAME(numbers)(v, row, n - at);
-        add(sum, count, v);
+        if (!add(sum, v))
+            count_missing(missing, v, n - at);
     }
     *sums->sum = halves_added(sum);
-    *sums->count = halves_added(count) - (double)((STEP - n % STEP) % STEP);
+    *sums->count = halves_added(missing);
 }
 
 /* The row is in the cache: first the mean, then what is away from it. */
@@ -97,7 +97,7 @@ static void NAME(square_of)(const vvi_project_sums *sums, const char *row, int64
 {
     double v[STEP], square[STEP] = {0};
     NAME(sum_of)(sums, row, n);
-    const double mean = *sums->sum / *sums->count;
+    const double count = (double)n - *sums->count, mean = *sums->sum / count;
     for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
         NAME(numbers)(v, row, n - at);
         for (int i = (int)(n - at); i < STEP; i++)
@@ -108,5 +108,6 @@ static void NAME(square_of)(const vvi_project_sums *sums, const char *row, int64
         }
     }
     *sums->sum = mean;
+    *sums->count = count;
     *sums->square = halves_added(square);
 }

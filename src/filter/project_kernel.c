@@ -4,21 +4,31 @@
 typedef double eight __attribute__((vector_size(64)));
 typedef int64_t eight_bits __attribute__((vector_size(64)));
 
-VV_INLINE void add(double sum[STEP], double count[STEP], const double v[STEP])
+/* Whether all numbers are there. */
+VV_INLINE bool add(double sum[STEP], const double v[STEP])
 {
-    const eight one = {1, 1, 1, 1, 1, 1, 1, 1};
+    eight_bits gone = {0};
+    uint64_t any = 0;
     VV_UNROLL
     for (int i = 0; i < STEP; i += 8) {
-        eight s, c, x;
+        eight s, x;
         memcpy(&x, v + i, sizeof x);
         memcpy(&s, sum + i, sizeof s);
-        memcpy(&c, count + i, sizeof c);
         const eight_bits there = x == x;
         s += (eight)((eight_bits)x & there);
-        c += (eight)((eight_bits)one & there);
+        gone |= ~there;
         memcpy(sum + i, &s, sizeof s);
-        memcpy(count + i, &c, sizeof c);
     }
+    VV_UNROLL
+    for (int i = 0; i < 8; i++)
+        any |= (uint64_t)gone[i];
+    return !any;
+}
+
+static void count_missing(double *missing, const double v[STEP], int64_t n)
+{
+    for (int i = 0; i < STEP && i < n; i++)
+        missing[i] += v[i] == v[i] ? 0 : 1;
 }
 
 /* Welford's; nothing is worked out on a condition alone, as vectors have no branches. */

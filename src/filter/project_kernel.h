@@ -8,9 +8,10 @@
 #include <stdint.h>
 #include <volvis/field.h>
 
-/** Of a sample or a row so far: their sum, or their mean and the sum of squares of what is away from it; how many. */
+/** What has come so far: its sum, and how many were missing; or its mean, the sum of squares of what is away from it,
+ * and how many there were. */
 typedef struct vvi_project_sums {
-    double *sum, *square, *count; /**< of sums square is NULL, of squares sum is the mean */
+    double *sum, *square, *count;
 } vvi_project_sums;
 
 /** Rows of n packed samples of a type, with any alignment. */

@@ -7,6 +7,9 @@
 
 #define SIDE 16 /* of a wide tile along y and z, and twice the margin */
 
+#define COLUMN_ROWS 16 /* at least: samples in the margin are worked on twice */
+#define COLUMNS 4      /* at least, where there is room: no thread waits long for another */
+
 enum { ROW_RADIUS, ROW_RADIUS_VOXELS };
 
 static bool is_set(const vv_object *object, int row)
@@ -103,4 +106,32 @@ vvi_slabs vvi_window_wide_tiles(const vv_box *box, const int64_t radius[3])
 {
     const int64_t side[2] = {SIDE + 4 * radius[1], SIDE + 4 * radius[2]};
     return vvi_window_tiles(box, radius, (ROW_MOST + 2 * radius[0]) * side[0] * side[1]);
+}
+
+static int64_t larger(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+static int64_t smaller(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+vvi_slabs vvi_window_columns(const vv_box *box, const int64_t radius[3], int64_t row, int64_t slice, int64_t rows_most)
+{
+    const int64_t *n = box->n;
+    vvi_slabs s = {.box = *box};
+    if (n[0] < 1 || n[1] < 1 || n[2] < 1)
+        return s;
+    s.step[0] = smaller(n[0], larger(1, row));
+    const int64_t rows = smaller(larger(slice / s.step[0], radius[1]), rows_most);
+    s.step[1] = larger(1, smaller(n[1], smaller(rows, larger((n[1] - 1) / COLUMNS + 1, COLUMN_ROWS))));
+    s.items[0] = (n[0] - 1) / s.step[0] + 1;
+    s.items[1] = (n[1] - 1) / s.step[1] + 1;
+    const int64_t parts = (COLUMNS - 1) / (s.items[0] * s.items[1]) + 1;
+    s.step[2] = smaller(n[2], larger((n[2] - 1) / parts + 1, 2 * radius[2] + 1));
+    s.items[2] = (n[2] - 1) / s.step[2] + 1;
+    s.n = (size_t)(s.items[0] * s.items[1] * s.items[2]);
+    return s;
 }

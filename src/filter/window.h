@@ -42,4 +42,7 @@ vv_box vvi_window_reach(const vv_box *box, const int64_t radius[3], const int64_
 vvi_slabs vvi_window_tiles(const vv_box *box, const int64_t radius[3], int64_t most);
 /** Tiles of which most is not margin, however wide that is. */
 vvi_slabs vvi_window_wide_tiles(const vv_box *box, const int64_t radius[3]);
+/** A box cut into columns: pieces of rows, of at most `row` samples, of about `slice` samples of a slice, in at most
+ * `rows_most` rows; through all slices, unless there would be too few of them for several threads. */
+vvi_slabs vvi_window_columns(const vv_box *box, const int64_t radius[3], int64_t row, int64_t slice, int64_t rows_most);
 #endif

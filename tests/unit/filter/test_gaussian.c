@@ -308,7 +308,8 @@ static void every_instruction_set_gives_the_same(void **state)
                 kernels->load[wide](got[0], (const char *)room, (vv_type)t, n);
                 const bool all = base->finite[wide](want[0], want[1], n);
                 assert_true(kernels->finite[wide](got[0], got[1], n) == all);
-                assert_memory_equal(got, want, sizeof got);
+                assert_memory_equal(got[0], want[0], (size_t)n * (wide ? 8 : 4));
+                assert_memory_equal(got[1], want[1], (size_t)n * (wide ? 8 : 4));
                 if (wide || (vv_type_bytes((vv_type)t) > 2 && t != VV_TYPE_F32))
                     continue;
                 base->store(bytes[0], (const float *)(const void *)room, (vv_type)t, n);

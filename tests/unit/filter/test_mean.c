@@ -130,6 +130,34 @@ static void nan_do_not_count_and_stay(void **state)
 }
 
 /* What is large leaves no trace where it is not in the box. */
+/* Larger than a tile along each axis in turn, and NaN that come late: the sums before them are of ones. */
+static void tiles_change_nothing(void **state)
+{
+    (void)state;
+    static const int64_t sizes[][3] = {{259, 3, 2}, {3, 71, 5}, {5, 2, 61}, {13, 34, 17}};
+    static const int64_t radii[][3] = {{2, 1, 0}, {1, 3, 1}, {0, 1, 5}, {3, 0, 4}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes * 2; s++) {
+        const int64_t *dims = sizes[s / 2], *r = radii[s / 2];
+        const vv_field_info info = info_of(dims, s % 2 ? VV_TYPE_F32 : VV_TYPE_U8, 1);
+        const size_t n = (size_t)(dims[0] * dims[1] * dims[2]);
+        char settings[96];
+        vv_field *in;
+        void *data;
+        assert_int_equal(vv_field_new_empty(&in, &data, &info, NULL), VV_OK);
+        for (size_t i = 0; i < n; i++)
+            if (s % 2)
+                ((float *)data)[i] = i > n / 2 && test_random(s, i) % 50 == 0 ? NAN : (float)test_random_unit(s, i);
+            else
+                ((uint8_t *)data)[i] = (uint8_t)test_random(s, i);
+        snprintf(settings, sizeof settings, "radius_voxels=[%d,%d,%d]", (int)r[0], (int)r[1], (int)r[2]);
+        const vv_field *inputs[] = {in};
+        vv_field *out = test_apply_all_ways(&vvi_operation_mean, inputs, 1, settings);
+        expect_means(in, out, r);
+        vv_field_release(in);
+        vv_field_release(out);
+    }
+}
+
 static void large_numbers_stay_where_they_are(void **state)
 {
     (void)state;
@@ -212,13 +240,10 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_and_window_equals_a_sum),
-        cmocka_unit_test(all_sizes_equal_a_sum),
-        cmocka_unit_test(nan_do_not_count_and_stay),
-        cmocka_unit_test(large_numbers_stay_where_they_are),
-        cmocka_unit_test(any_box_is_a_part_of_the_whole),
-        cmocka_unit_test(what_makes_no_sense_is_refused),
-        cmocka_unit_test(every_instruction_set_gives_the_same),
+        cmocka_unit_test(every_type_and_window_equals_a_sum), cmocka_unit_test(all_sizes_equal_a_sum),
+        cmocka_unit_test(nan_do_not_count_and_stay),          cmocka_unit_test(tiles_change_nothing),
+        cmocka_unit_test(large_numbers_stay_where_they_are),  cmocka_unit_test(any_box_is_a_part_of_the_whole),
+        cmocka_unit_test(what_makes_no_sense_is_refused),     cmocka_unit_test(every_instruction_set_gives_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
