@@ -60,7 +60,7 @@ vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
 /** Names that people gave inputs become the parameter of them (vv_operand.names). */
 vv_status vvi_request_name_inputs(vvi_request *request);
 
-enum { VVI_REQUEST_INPUTS = 16 };
+enum { VVI_REQUEST_INPUTS = 64 };
 
 /** Inputs of an operation, opened; zeroed is valid to close. */
 typedef struct vvi_request_inputs {
