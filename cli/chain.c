@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { ID_ROOM = 64, WORDS_MOST = 128, INPUTS_MOST = 16 };
+enum { ID_ROOM = 64, WORDS_MOST = 128, INPUTS_MOST = 64 };
 
 /* One step under way. */
 typedef struct step {

@@ -28,6 +28,7 @@ static const vv_mesh_format *const mesh_formats[] = {
 static const vv_operation *const operations[] = {
     &vvi_operation_channel,
     &vvi_operation_merge,
+    &vvi_operation_join,
     &vvi_operation_crop,
     &vvi_operation_pad,
     &vvi_operation_flip,

@@ -22,6 +22,7 @@ extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_f
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
 extern const vv_operation vvi_operation_channel;
 extern const vv_operation vvi_operation_merge;
+extern const vv_operation vvi_operation_join;
 extern const vv_operation vvi_operation_crop;
 extern const vv_operation vvi_operation_pad;
 extern const vv_operation vvi_operation_flip;

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #define ITEM_SAMPLES 4096
+#define BLOCK_LEAST ((int64_t)4096)
+#define BLOCK_MOST ((int64_t)1 << 18)
 enum { TENSORS = VVI_SYMMETRIC };
 
 /* By index axes: rows of the inverse of the grid's map, in units of the smallest spacing. 0 along axes of one sample.
@@ -48,6 +50,12 @@ static size_t samples_of(const vv_field_info *info)
     return (size_t)(info->grid.dims[0] * info->grid.dims[1] * info->grid.dims[2]);
 }
 
+static int64_t block_samples(const vv_field_info *info)
+{
+    const int64_t share = (int64_t)(samples_of(info) / 16);
+    return share < BLOCK_LEAST ? BLOCK_LEAST : share > BLOCK_MOST ? BLOCK_MOST : share;
+}
+
 /* Numbers before and behind a step, three slopes, six entries of the tensor, one of them before and behind smoothing.
  */
 vv_status vvi_coherence_plan(const vv_field_info *info, vv_job *job)
@@ -64,8 +72,8 @@ typedef struct shared {
     vv_field *numbers[2]; /* of one component, as stored; of the step before, and of this one */
     void *data[2];
     bool wide;
-    vvi_slabs slabs;
-    vv_vec3 row[3], normal; /* of the plane, where there are two axes */
+    vvi_slabs slabs, blocks; /* blocks: of the step, of several slices where there is work for all threads */
+    vv_vec3 row[3], normal;  /* of the plane, where there are two axes */
     int axes;
     double voxel;
     vv_brick samples; /* of the input */
@@ -309,29 +317,72 @@ static double flux(const shared *s, const int64_t p[3], int axis)
     return sum;
 }
 
-static void step_row(const shared *s, int64_t i, int64_t j, int64_t k, int64_t n)
+/* Into a sample from the one before it. */
+static double influx(const shared *s, const int64_t p[3], int axis)
 {
-    for (int64_t x = 0; x < n; x++) {
-        const int64_t p[3] = {i + x, j, k}, at = at_of(s, i + x, j, k);
-        double sum = 0;
-        for (int a = 0; a < 3; a++) {
-            int64_t before[3] = {p[0], p[1], p[2]};
-            before[a]--;
-            const double in = before[a] >= 0 ? flux(s, before, a) : 0;
-            const double out = p[a] + 1 < s->info->grid.dims[a] ? flux(s, p, a) : 0;
-            sum += out - in;
-        }
-        const double v = number(s, at) + s->c->step * sum;
-        if (s->wide)
-            ((double *)s->data[1])[at] = v;
-        else
-            ((float *)s->data[1])[at] = (float)v;
+    int64_t before[3] = {p[0], p[1], p[2]};
+    before[axis]--;
+    return before[axis] >= 0 ? flux(s, before, axis) : 0;
+}
+
+static void step_sample(const shared *s, const int64_t p[3], const double in[3], double out[3])
+{
+    const int64_t at = at_of(s, p[0], p[1], p[2]);
+    double sum = 0;
+    for (int a = 0; a < 3; a++) {
+        out[a] = p[a] + 1 < s->info->grid.dims[a] ? flux(s, p, a) : 0;
+        sum += out[a] - in[a];
+    }
+    const double v = number(s, at) + s->c->step * sum;
+    if (s->wide)
+        ((double *)s->data[1])[at] = v;
+    else
+        ((float *)s->data[1])[at] = (float)v;
+}
+
+/* What flows out of a sample flows into the next: in a block it is worked out once. `into` has what flows into the next
+ * row and, behind that, into the next slice. */
+static void step_row(const shared *s, const vv_box *box, int64_t j, int64_t k, double *into)
+{
+    double *row = into, *slice = into + box->n[0] * (1 + j), in[3], out[3] = {0};
+    for (int64_t x = 0; x < box->n[0]; x++) {
+        const int64_t p[3] = {box->lo[0] + x, box->lo[1] + j, box->lo[2] + k};
+        in[0] = x > 0 ? out[0] : influx(s, p, 0);
+        in[1] = j > 0 ? row[x] : influx(s, p, 1);
+        in[2] = k > 0 ? slice[x] : influx(s, p, 2);
+        step_sample(s, p, in, out);
+        row[x] = out[1];
+        slice[x] = out[2];
     }
 }
 
 static vv_status step_item(void *scratch, void *user, size_t index)
 {
-    return rows(user, index, step_row);
+    const shared *s = user;
+    const vv_box box = vvi_slabs_item(&s->blocks, index);
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1]; j++)
+            step_row(s, &box, j, k, scratch);
+    return vvi_job_poll(s->job);
+}
+
+static vv_status start_block(void **scratch_out, void *user, int worker)
+{
+    const shared *s = user;
+    const size_t bytes = (size_t)(s->blocks.step[0] * (1 + s->blocks.step[1])) * sizeof(double);
+    *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
+    return *scratch_out ? VV_OK : vv_fail_memory(bytes);
+}
+
+static void finish_block(void *scratch, void *user)
+{
+    vvi_free(scratch);
+}
+
+static vv_status step_all(shared *s)
+{
+    const vvi_work work = {.start = start_block, .item = step_item, .finish = finish_block};
+    return vvi_parallel_for(s->job, &work, s, s->blocks.n);
 }
 
 static void swap(shared *s)
@@ -351,7 +402,7 @@ static vv_status steps(shared *s)
         st = vvi_job_progress(s->job, "diffuse", (uint64_t)i, (uint64_t)s->c->iterations);
         vvi_job_hush(s->job, 1);
         if (st == VV_OK && (st = make_structure(s)) == VV_OK && (st = pass(s, diffusion_item)) == VV_OK)
-            st = pass(s, step_item);
+            st = step_all(s);
         vvi_job_hush(s->job, -1);
         swap(s);
     }
@@ -369,6 +420,7 @@ vv_status vvi_coherence_run(void *out, const vv_field *in, int component, const 
                 .wide = vvi_reals_wide(info->type),
                 .voxel = vv_grid_voxel(&info->grid),
                 .slabs = vvi_slabs_of(&all, ITEM_SAMPLES),
+                .blocks = vvi_slabs_of(&all, block_samples(info)),
                 .out = out,
                 .component = component,
                 .job = job};

@@ -68,6 +68,9 @@ static vv_status check_inputs(const vv_operation *operation, const vv_data *inpu
     size_t i = 0;
     if (n > vv_operation_most(operation))
         return fail_count(operation, n);
+    if (operation->joins && n > 1)
+        return vv_fail(VV_E_ARGUMENT, "%s: makes time steps, and one volume has none: vv_run_new() runs it",
+                       operation->name);
     for (const vv_operand *o = operation->inputs; o->name; o++) {
         size_t given = 0;
         for (const size_t end = i + o->most; i < end && i < n; i++) {
@@ -77,6 +80,8 @@ static vv_status check_inputs(const vv_operation *operation, const vv_data *inpu
                                word_of(o->is));
             given += is != 0;
         }
+        if (operation->joins && given == 1)
+            continue;
         if (given < o->least && vv_operation_most(operation) == 1)
             return fail_count(operation, given);
         if (given < o->least)

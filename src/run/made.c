@@ -167,21 +167,27 @@ static vv_status frame_of(int64_t *out, const vvi_made *made, size_t index, int6
 }
 
 /* Files that memory cannot hold beside what is made of them are read in parts by the run. */
-static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
-                            vv_job *job)
+static vv_status open_samples(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
+                              vv_job *job)
 {
     const vv_dataset *dataset = made->input[index];
     vv_field *field = NULL;
-    vv_status st = frame_of(&out->frame, made, index, frame, job);
-    if (st != VV_OK)
-        return st;
+    out->frame = frame;
     const bool parts = in_parts && dataset->path && !dataset->checksum;
     if (!dataset->fields && (parts || is_grid_only(made, index)))
         return vvi_dataset_open(&out->file, made->world, dataset, job);
-    st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
+    const vv_status st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
     out->frame = 0;
     out->field = field;
     return st;
+}
+
+static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
+                            vv_job *job)
+{
+    int64_t own;
+    const vv_status st = frame_of(&own, made, index, frame, job);
+    return st == VV_OK ? open_samples(out, made, index, own, in_parts, job) : st;
 }
 
 static vv_status open_mesh(vv_run_input *out, const vvi_made *made, size_t index, vv_job *job)
@@ -192,9 +198,28 @@ static vv_status open_mesh(vv_run_input *out, const vvi_made *made, size_t index
     return st;
 }
 
+/* Of inputs that are joined the one that has the time step. */
+static vv_status open_joined(inputs *in, const vvi_made *made, int64_t frame, bool in_parts, vv_job *job)
+{
+    vv_run_input *input = &in->input[0];
+    vv_field_info info;
+    vv_status st = VV_OK;
+    size_t i = 0;
+    for (; i < made->n; frame -= info.n_frames, i++)
+        if ((st = vv_dataset_info(&info, made->world, made->input[i], job)) != VV_OK || frame < info.n_frames)
+            break;
+    if (st != VV_OK)
+        return st;
+    in->n = 1;
+    input->name = made->input_id[i];
+    return open_samples(input, made, i, frame, in_parts, job);
+}
+
 static vv_status open_inputs(inputs *in, const vvi_made *made, int64_t frame, bool in_parts, vv_job *job)
 {
     vv_status st = VV_OK;
+    if (made->operation->joins)
+        return open_joined(in, made, frame, in_parts, job);
     in->n = made->n;
     for (size_t i = 0; i < made->n && st == VV_OK; i++) {
         vv_run_input *input = &in->input[i];

@@ -459,7 +459,8 @@ vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_objec
         return st;
     if ((st = made->operation->plan(out, infos, made->n, params)) != VV_OK)
         return vvi_made_fail(made, "parameters", st);
-    out->n_frames = infos[0].n_frames;
+    if (!made->operation->joins)
+        out->n_frames = infos[0].n_frames;
     out->frame = 0;
     return check_size(made, out, job);
 }

@@ -34,8 +34,51 @@ static bool is_grid_only(const vv_run *r, size_t input)
     return o && o->grid_only;
 }
 
+/* Whether the time steps of the inputs follow each other. */
+static bool joins(const vv_run *r)
+{
+    return r->n_steps > 0 && r->steps[0].operation->joins;
+}
+
+/* How many fields the first step has at a time. */
+static size_t n_at_once(const vv_run *r)
+{
+    return joins(r) ? 1 : r->n_inputs;
+}
+
+static int64_t frames_taken(const vv_run_input *in)
+{
+    return in->frame >= 0 ? 1 : vvi_run_frames(in);
+}
+
+static vv_status join_frames(vv_run *r)
+{
+    r->about.n_frames = 0;
+    for (size_t i = 0; i < r->n_inputs; i++) {
+        const vv_run_input *in = &r->inputs[i];
+        if (is_gap(in))
+            return vv_fail(VV_E_ARGUMENT, "%s: input number %zu is missing", r->name, i + 1);
+        r->about.n_frames += frames_taken(in);
+        if (in->file && !in->field && frames_taken(in) > 1)
+            vvi_file_follow(in->file, VVI_FOLLOW_FRAMES);
+    }
+    r->n_results = r->about.n_frames;
+    return VV_OK;
+}
+
+/* The input that a time step of the result is of, and which of those that are taken of it. */
+static size_t find_joined(const vv_run *r, int64_t *index)
+{
+    size_t i = 0;
+    while (i + 1 < r->n_inputs && *index >= frames_taken(&r->inputs[i]))
+        *index -= frames_taken(&r->inputs[i++]);
+    return i;
+}
+
 static vv_status choose_frames(vv_run *r)
 {
+    if (joins(r))
+        return join_frames(r);
     const int64_t n = vvi_run_frames(&r->inputs[0]);
     const bool chosen = r->inputs[0].frame >= 0;
     r->first_frame = chosen ? r->inputs[0].frame : 0;
@@ -150,7 +193,7 @@ static vv_status plan_steps(vv_run *r)
  * the result, and every time step stays. */
 static vv_status plan_reading(vv_run *r)
 {
-    for (size_t i = 0; i < r->n_inputs; i++) {
+    for (size_t i = 0; i < n_at_once(r); i++) {
         const vv_run_input *in = &r->inputs[i];
         uint64_t bytes = 0;
         const vv_status st = is_gap(in) ? VV_OK : vv_field_info_bytes(&bytes, info_of(in));
@@ -169,7 +212,7 @@ static vv_status plan_memory(vv_run *r)
     bool streamed = vvi_stream_needed(r->about.bytes, r->job);
     for (size_t s = 0; s < r->n_steps; s++)
         streamed = streamed && r->steps[s].operation->run_box;
-    if (streamed && (st = vvi_stream_init(&r->stream, r->n_inputs, r->n_steps, r->job)) == VV_OK)
+    if (streamed && (st = vvi_stream_init(&r->stream, n_at_once(r), r->n_steps, r->job)) == VV_OK)
         r->about.bytes = r->stream.bytes;
     r->about.streamed = streamed;
     return st;
@@ -284,7 +327,7 @@ static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64
     }
     if (is_grid_only(r, input))
         return grid_of(out, vv_file_info(file), r->job);
-    return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
+    return r->about.streamed ? vvi_stream_read(out, &r->stream, file, joins(r) ? 0 : input, frame, r->job)
                              : vv_file_read(out, file, frame, NULL, r->job);
 }
 
@@ -306,13 +349,14 @@ static vv_status make_frame(vv_field **out, vv_run *r, int64_t index, size_t n_s
     vv_field *fields[VVI_RUN_INPUTS] = {NULL};
     vv_status st = VV_OK;
     const double start_s = vvi_os_seconds();
-    for (size_t i = 0; i < r->n_inputs && st == VV_OK; i++)
-        st = read_input(&fields[i], r, i, index);
+    const size_t n = n_at_once(r), first = joins(r) ? find_joined(r, &index) : 0;
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        st = read_input(&fields[i], r, first + i, index);
     if (st == VV_OK)
         st = declare_labels(&fields[0], r);
     const double read_s = vvi_os_seconds();
     for (size_t s = 0; s < n_steps && st == VV_OK; s++)
-        st = run_step(fields, s ? 1 : r->n_inputs, r, s);
+        st = run_step(fields, s ? 1 : n, r, s);
     if (st == VV_OK)
         st = declare_labels(&fields[0], r);
     r->about.load_s += read_s - start_s;
@@ -321,7 +365,7 @@ static vv_status make_frame(vv_field **out, vv_run *r, int64_t index, size_t n_s
         *out = fields[0];
         fields[0] = NULL;
     }
-    for (size_t i = 0; i < r->n_inputs; i++)
+    for (size_t i = 0; i < n; i++)
         vv_field_release(fields[i]);
     return st;
 }

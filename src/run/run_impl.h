@@ -9,7 +9,7 @@
 #include <volvis/run.h>
 #include <volvis/sys/registry.h>
 
-enum { VVI_RUN_INPUTS = 16 };
+enum { VVI_RUN_INPUTS = 64 };
 
 struct vv_run {
     vv_run_input inputs[VVI_RUN_INPUTS];

@@ -25,6 +25,7 @@ def prepare():
         ok("convert", "head.nrrd", "-o", name)
     for name in ("pre.nrrd", "post.nrrd"):
         shutil.copy("lobster.nrrd", name)
+    ok("join", "pre.nrrd", "post.nrrd", "-o", "series.nrrd")
     ok("threshold", "head.nrrd", "-o", "labels.nrrd", "--range", "100..")
     with open("session.jsonl", "w", encoding="ascii") as file:
         file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')

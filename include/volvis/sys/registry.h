@@ -174,6 +174,9 @@ struct vv_operation {
     /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
      */
     const struct vvi_surface_row *surface;
+    /** The time steps of its inputs follow each other in the result: plan sees all inputs, all others one time step of
+     * one of them at a time. vv_run_new() runs it. */
+    bool joins;
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */

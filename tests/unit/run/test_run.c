@@ -177,6 +177,38 @@ static void every_time_step_goes_through_with_its_names(void **state)
     vv_job_release(job);
 }
 
+static void volumes_in_memory_and_series_become_one_series(void **state)
+{
+    vv_run *run;
+    vv_file *file = make_file(state, 3);
+    vv_field *alone = make_frame(7);
+    const vv_step step = step_of(&vvi_operation_join, "period=0.5");
+    const vv_run_input inputs[] = {{.field = alone, .name = "alone"}, {.file = file, .frame = -1, .name = "series"}};
+    assert_int_equal(vv_run_new(&run, inputs, 2, &step, 1, &(vv_run_output){.path = NULL}, "join", NULL), VV_OK);
+    assert_int_equal(vv_run_get_about(run)->n_frames, 4);
+    assert_int_equal(vv_run_make(run), VV_OK);
+    static const int first[] = {7, 0, 1, 2};
+    for (int f = 0; f < 4; f++) {
+        const vv_field *got = vv_run_field(run, f);
+        const vv_box corner = {{0, 0, 0}, {1, 1, 1}};
+        vv_brick brick;
+        assert_true(vv_field_get_info(got)->frame_step == 0.5);
+        assert_int_equal(vv_field_brick(&brick, got, &corner, NULL), VV_OK);
+        assert_int_equal(*(const uint16_t *)brick.data, 1000 * first[f]);
+        vv_brick_release(&brick);
+    }
+    assert_null(vv_run_field(run, 4));
+    vv_run_release(run);
+    /* volumes by themselves have no time steps to become */
+    vv_field *none;
+    const vv_field *both[] = {alone, alone};
+    assert_int_equal(vv_operation_run(&none, step.operation, both, 2, step.params, NULL), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "vv_run_new()"));
+    vv_object_release(step.params);
+    vv_field_release(alone);
+    vv_file_close(file);
+}
+
 static void samples_in_memory_are_taken_as_they_are(void **state)
 {
     vv_job *job = test_job(1, 0);
@@ -444,6 +476,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(what_a_caller_says_of_channels_stands, io_setup, io_teardown),
         cmocka_unit_test(labels_in_another_type_are_labels),
         cmocka_unit_test_setup_teardown(every_time_step_goes_through_with_its_names, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(volumes_in_memory_and_series_become_one_series, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(samples_in_memory_are_taken_as_they_are, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
