@@ -8,8 +8,12 @@ import select
 import socket
 import struct
 import subprocess
+import sys
 import time
 import urllib.request
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tests", "cli"))
+import worlds  # noqa: E402: of the tests' pages
 
 HEAD = struct.Struct("<4sHHIHHHHHHIf")
 MOTIONS = 20 # a second, of a page that moves
@@ -258,7 +262,7 @@ class Page:
         if told["type"] == "answer":
             self.answers[told["id"]] = told
         elif told["type"] == "world":
-            self.world = told
+            self.world = worlds.take(self.world, told)
         elif told["type"] == "status":
             self.memory = told["memory"]
 

@@ -1,5 +1,5 @@
 /* Join: volumes of one grid, and series of them, as the time steps of one series. */
-#include "grid/alike.h"
+#include "grid/same_grid.h"
 #include "grid/field.h"
 #include "grid/field_copy.h"
 #include "io/keys.h"

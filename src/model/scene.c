@@ -1,6 +1,7 @@
 /* Scene files: a World as JSON. */
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "model/changes.h"
 #include "model/context.h"
 #include "model/file_path.h"
 #include <stdio.h>
@@ -77,8 +78,7 @@ vv_status vv_scene_parse(vv_world **out, const char *json, size_t length, const 
     return st == VV_OK ? st : fail_in_file(st, name ? name : "scene");
 }
 
-/* The World with its version set, so that the file says it. */
-static vv_status with_schema(vv_object **out, const vv_world *world)
+vv_status vvi_world_with_schema(vv_object **out, const vv_world *world)
 {
     const vv_status st = vvi_object_copy(out, &world->base);
     if (st == VV_OK)
@@ -91,7 +91,7 @@ vv_status vv_scene_print(char **json_out, const vv_world *world, const char *fol
     vvi_json json = {.indent = 2, .map_path = folder ? to_folder : NULL, .map_user = (void *)folder};
     vv_object *versioned = NULL;
     *json_out = NULL;
-    const vv_status st = with_schema(&versioned, world);
+    const vv_status st = vvi_world_with_schema(&versioned, world);
     if (st != VV_OK)
         return st;
     vvi_json_open(&json, '{');

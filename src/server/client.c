@@ -91,6 +91,8 @@ void vvi_client_leave(vvi_client *client)
     vvi_input_free(client->input);
     vvi_poses_free(&client->poses);
     free(client->again.paths);
+    if (client->known)
+        vv_object_release(&client->known->base);
     const bool looked = client->greeted;
     free(client);
     if (looked)

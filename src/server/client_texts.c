@@ -121,7 +121,7 @@ void vvi_client_refuse(vvi_client *client, int64_t id)
  * drags, and a crowd whose cameras come to rest no more than a few Worlds. */
 int64_t vvi_client_world_due(const vvi_client *client)
 {
-    const int64_t pause = client->session->told_pause;
+    const int64_t pause = client->world_rest;
     if (client->tells_world)
         return client->world_told + pause;
     return client->tells_cameras ? client->world_told + (pause > CAMERA_PAUSE ? pause : CAMERA_PAUSE) : INT64_MAX;
@@ -168,15 +168,26 @@ static void tell_paths(vvi_result *out, const vvi_client *client)
     free(list);
 }
 
-static char *world_text(const vvi_client *client)
+/* The client knows this World from now on. */
+static void know(vvi_client *client, vv_world *world)
+{
+    if (client->known)
+        vv_object_release(&client->known->base);
+    client->known = world;
+    client->known_commit = client->session->commit;
+}
+
+/* As a whole, or what has changed since the client was told the last one. */
+static char *world_text(vvi_client *client)
 {
     vvi_session *s = client->session;
     vvi_result r = {.compact = true};
     vv_world *world = vv_model_snapshot(s->model);
-    const char *scene = vvi_session_told(s);
+    const char *changes = client->known ? vvi_session_changes(s, client->known, world) : NULL,
+               *scene = changes ? NULL : vvi_session_told(s);
     bool undo, redo;
     vv_model_can(&undo, &redo, s->model, client->view);
-    if (scene) {
+    if (scene || changes) {
         vvi_result_open(&r, NULL, '{');
         vvi_result_string(&r, "type", "world");
         vvi_result_unsigned(&r, "number", s->commit);
@@ -185,11 +196,19 @@ static char *world_text(const vvi_client *client)
         vvi_result_bool(&r, "undo", undo);
         vvi_result_bool(&r, "redo", redo);
         vvi_result_string(&r, "title", world->title);
-        vvi_result_raw(&r, "world", scene);
+        if (changes)
+            vvi_result_unsigned(&r, "since", client->known_commit);
+        vvi_result_raw(&r, changes ? "changes" : "world", changes ? changes : scene);
         vvi_result_close(&r, '}');
     }
-    vv_object_release(&world->base);
-    return vvi_text_take(&r.text);
+    char *text = vvi_text_take(&r.text);
+    client->world_rest = vvi_session_world_rest(s, text ? strlen(text) : 0);
+    if (!text) { /* it is told all of the next one */
+        vv_object_release(&world->base);
+        world = NULL;
+    }
+    know(client, world);
+    return text;
 }
 
 static char *status_text(const vvi_client *client)

@@ -203,6 +203,19 @@ static vv_status begin_anew(vvi_client *client, int64_t id, const json_t *messag
     return VV_OK;
 }
 
+/* A page that lost what it was told. */
+static vv_status whole_world(vvi_client *client, int64_t id, const json_t *message, int64_t now)
+{
+    (void)id;
+    (void)message;
+    (void)now;
+    client->tells_world = true;
+    if (client->known)
+        vv_object_release(&client->known->base);
+    client->known = NULL;
+    return VV_OK;
+}
+
 static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
     const json_t *job = json_object_get(message, "job");
@@ -252,6 +265,7 @@ static const struct {
     {"browse", browse},
     {"cancel", cancel},
     {"frames", vvi_message_frames},
+    {"world", whole_world},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */

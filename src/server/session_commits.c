@@ -1,5 +1,6 @@
 /* What a commit means for those who look, and the World as it is told. */
 #include "core/memory.h"
+#include "model/changes.h"
 #include "server/session_impl.h"
 
 #include <stdlib.h>
@@ -7,6 +8,7 @@
 
 #define WORLD_PAUSE (INT64_C(30) * 1000000) /* between two Worlds that a client is told, at least */
 #define WORLD_BYTES 8e6                     /* a second, that all Worlds which are told may take */
+enum { WORLD_SMALL = 16 << 10 };            /* bytes of one that is always told as a whole */
 
 static bool is_own_view(const vvi_client *client, const char *path)
 {
@@ -111,10 +113,40 @@ const char *vvi_session_told(vvi_session *s)
     if (vv_scene_print(&s->told, world, NULL) != VV_OK)
         s->told = NULL;
     vv_object_release(&world->base);
+    s->told_bytes = s->told ? strlen(s->told) : 0;
+    return s->told;
+}
+
+void vvi_changes_free(vvi_changes *changes)
+{
+    if (changes->from)
+        vv_object_release(&changes->from->base);
+    if (changes->to)
+        vv_object_release(&changes->to->base);
+    free(changes->text);
+    *changes = (vvi_changes){.text = NULL};
+}
+
+const char *vvi_session_changes(vvi_session *s, const vv_world *known, const vv_world *world)
+{
+    vvi_changes *c = &s->changes;
+    if (s->told_bytes <= WORLD_SMALL)
+        return NULL;
+    if (c->from == known && c->to == world)
+        return c->text;
+    vvi_changes_free(c);
+    c->from = (vv_world *)(void *)vv_object_retain(&known->base);
+    c->to = (vv_world *)(void *)vv_object_retain(&world->base);
+    if (vvi_world_changes(&c->text, known, world, s->told_bytes / 2) != VV_OK)
+        c->text = NULL;
+    return c->text;
+}
+
+int64_t vvi_session_world_rest(const vvi_session *s, size_t bytes)
+{
     int n = 0;
     for (const vvi_client *c = s->clients; c; c = c->next)
         n++;
-    const int64_t all = s->told ? (int64_t)((double)strlen(s->told) * n / WORLD_BYTES * 1e9) : 0;
-    s->told_pause = all > WORLD_PAUSE ? all : WORLD_PAUSE;
-    return s->told;
+    const int64_t all = (int64_t)((double)bytes * n / WORLD_BYTES * 1e9);
+    return all > WORLD_PAUSE ? all : WORLD_PAUSE;
 }

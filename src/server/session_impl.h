@@ -85,6 +85,9 @@ struct vvi_client {
     bool overrun; /* more waited than may */
     bool tells_world, tells_cameras, tells_pose, tells_status;
     int64_t world_told; /* when it was told last */
+    int64_t world_rest; /* until it is told again at the earliest, nanoseconds */
+    vv_world *known;    /* what it was told, held; NULL: it is to be told all of it */
+    uint64_t known_commit;
     uint64_t changes_told;
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
@@ -118,6 +121,12 @@ typedef struct vvi_batch {
     int64_t folder;
 } vvi_batch;
 
+/* What makes one World of another, as text: many clients know the same one. Zeroed is valid. */
+typedef struct vvi_changes {
+    vv_world *from, *to; /* held */
+    char *text;          /* NULL: the whole is shorter */
+} vvi_changes;
+
 struct vvi_session {
     vvi_session_options options;
     char *root, *state, *uploads;
@@ -135,7 +144,8 @@ struct vvi_session {
     uint64_t scene;                /* the last commit that was more than a camera */
     char *told;                    /* the World as it is told, printed once for each commit */
     uint64_t told_commit;          /* NULL: of none */
-    int64_t told_pause;            /* between two that a client is told, nanoseconds */
+    size_t told_bytes;             /* of the last one that was printed */
+    vvi_changes changes;           /* that were told last */
     char *who;                     /* of the last commit */
     char *paths[VVI_CHANGES_KEPT]; /* of the last commits, the newest at n_changes - 1: JSON without brackets */
     uint64_t n_changes;
@@ -232,6 +242,12 @@ int64_t vvi_client_world_due(const vvi_client *client);
 void vvi_session_note_commit(void *user, const vv_commit *commit, const vv_world *world);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
 const char *vvi_session_told(vvi_session *session);
+/** What makes `world`, the one that there is, of one that was told before, as JSON text. NULL: all of it is told, since
+ * it is small, or not much larger than its changes. The session's, until it is asked again. */
+const char *vvi_session_changes(vvi_session *session, const vv_world *known, const vv_world *world);
+/** How long a client that was told so many bytes of the World waits for the next ones, nanoseconds. */
+int64_t vvi_session_world_rest(const vvi_session *session, size_t bytes);
+void vvi_changes_free(vvi_changes *changes);
 
 /* session.c ------------------------------------------------------------------------------------------------------ */
 

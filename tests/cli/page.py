@@ -6,6 +6,7 @@ import time
 
 import websockets
 
+import worlds
 from served import Server  # noqa: F401: of those who have pages
 
 HEAD = struct.Struct("<4sHHIHHHHHHIf")
@@ -56,10 +57,11 @@ class Page:
             if self.acknowledges:
                 await self.say("ack", frame=frame.number)
             return frame
-        message = json.loads(message)
+        n, message = len(message), json.loads(message)
         self.messages.append(message)
         if message["type"] == "world":
-            self.world = message
+            self.world = worlds.take(self.world, message)
+            self.told_bytes = n
         if message["type"] == "pose":
             self.pose = message
         return message

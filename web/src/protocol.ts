@@ -93,16 +93,22 @@ export interface Welcome {
   restored?: number;
 }
 
-export interface WorldMessage {
+/** What has changed of a World: to be done in order. After null: it comes first. */
+export type Change =
+  | { op: "set"; path: string; value: Json }
+  | { op: "unset" | "remove"; path: string }
+  | { op: "add"; path: string; id: string; after: string | null; value: Json };
+
+/** The World as a whole, or, where that would be long, its changes since the one with the number `since`. */
+export type WorldMessage = {
   type: "world";
   number: number;
   who: string;
   paths: string[] | null;
-  world: JsonObject;
   undo: boolean;
   redo: boolean;
   title: string | null;
-}
+} & ({ world: JsonObject } | { since: number; changes: Change[] });
 
 export interface Pose {
   type: "pose";

@@ -1,5 +1,6 @@
 /** The page's side of the conversation: takes the server's messages into the store and asks for what is missing. */
 import { batch } from "@preact/signals";
+import { KnownWorld } from "./changes";
 import { Connection, takeToken } from "./connection";
 import { Finality, parseFrame, type Frame } from "./frames";
 import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
@@ -166,9 +167,16 @@ function selectWhatIsThere(): void {
   if (store.selection.value !== awaited && !hasEntry(store.world.value, store.selection.value)) selectFirst();
 }
 
+const known = new KnownWorld();
+
 function takeWorld(message: WorldMessage): void {
+  const world = known.take(message);
+  if (!world) {
+    link.send({ type: "world" });
+    return;
+  }
   const fresh = message.paths === null || message.paths.includes("");
-  store.world.value = message.world;
+  store.world.value = world;
   store.commit.value = message.number;
   store.change.value = { paths: message.paths };
   store.canUndo.value = message.undo;

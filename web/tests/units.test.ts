@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
+import { applyChanges, KnownWorld } from "../src/changes";
 import { backOff, Connection } from "../src/connection";
 import { Finality, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
@@ -208,6 +209,37 @@ test("an entry is there or not", () => {
   const world = { volumes: { a: {} }, cut_planes: [{}] };
   for (const path of ["", "volumes", "volumes.a", "volumes.a.place", "cut_planes.0"]) assert.ok(hasEntry(world, path), path);
   for (const path of ["volumes.b", "volumes.constructor", "cut_planes.1", "lights.key"]) assert.ok(!hasEntry(world, path), path);
+});
+
+test("changes make one World of another, in the order of its maps, and leave the old one as it is", () => {
+  const world = JSON.parse('{"title": "a", "lights": {"key": {"on": true, "color": "#fff"}, "fill": {}}, "cut_planes": [{"offset": 1}, {"offset": 2}], "views": {"main": {"width": 3}}}');
+  const before = structuredClone(world);
+  const now = applyChanges(world, [
+    { op: "set", path: "title", value: "b" }, { op: "unset", path: "lights.key.color" }, { op: "set", path: "lights.key.intensity", value: 2 },
+    { op: "add", path: "lights", id: "back", after: "key", value: { on: false } }, { op: "add", path: "lights", id: "first", after: null, value: {} },
+    { op: "remove", path: "lights.fill" }, { op: "add", path: "lights", id: "__proto__", after: "back", value: { on: true } },
+    { op: "set", path: "cut_planes.1.offset", value: 5 }, { op: "set", path: "datasets", value: { a: {} } }, { op: "set", path: "views.left.camera.zoom", value: 2 },
+  ]);
+  assert.deepEqual(world, before);
+  assert.deepEqual(Object.keys(now.lights as object), ["first", "key", "back", "__proto__"]);
+  assert.equal(valueAt(now, "lights.__proto__.on"), true);
+  assert.equal(({} as { on?: boolean }).on, undefined);
+  assert.deepEqual(valueAt(now, "lights.key"), { on: true, intensity: 2 });
+  assert.deepEqual(now.cut_planes, [{ offset: 1 }, { offset: 5 }]);
+  assert.deepEqual([now.title, now.datasets, now.views], ["b", { a: {} }, { main: { width: 3 }, left: { camera: { zoom: 2 } } }]);
+  assert.equal(valueAt(now, "views.main"), valueAt(world, "views.main"), "what did not change is the same");
+  assert.deepEqual(applyChanges(world, [{ op: "set", path: "", value: { title: "c" } }]), { title: "c" });
+});
+
+test("a page that missed a message about the World knows that it did, until it is told all of it", () => {
+  const known = new KnownWorld();
+  const rest = { type: "world" as const, who: "", paths: [], undo: false, redo: false, title: null };
+  const title = (since: number, number: number) => known.take({ ...rest, number, since, changes: [{ op: "set", path: "title", value: `${number}` }] });
+  assert.equal(title(0, 1), null);
+  assert.deepEqual(known.take({ ...rest, number: 4, world: { unit: "mm" } }), { unit: "mm" });
+  assert.deepEqual(title(4, 6), { unit: "mm", title: "6" });
+  assert.equal(title(7, 8), null);
+  assert.deepEqual(title(6, 9), { unit: "mm", title: "9" });
 });
 
 test("paths lead to values and classes, prototypes are no values", () => {

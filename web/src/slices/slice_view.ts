@@ -1,6 +1,7 @@
 /** One slice: a client with a view of its own whose method is slice. What is seen in it is the World's. */
 import { signal } from "@preact/signals";
-import type { Pick, Pose, ServerMessage } from "../protocol";
+import { KnownWorld } from "../changes";
+import type { JsonObject, Pick, Pose, ServerMessage } from "../protocol";
 import * as store from "../store";
 import { valueAt } from "../values";
 import { OwnView } from "../view/own_view";
@@ -9,6 +10,7 @@ import type { Plane } from "./geometry";
 export class SliceView extends OwnView {
   readonly pose = signal<Pose | null>(null);
   private view = "";
+  private known = new KnownWorld();
   private seen = false; // its view stands in the World
   private picking = false;
   private next: [number, number] | null = null;
@@ -52,9 +54,15 @@ export class SliceView extends OwnView {
     } else if (message.type === "pose") {
       this.pose.value = message;
     } else if (message.type === "world") {
-      const there = valueAt(message.world, `views.${this.view}.render.method`) === "slice";
-      if (this.seen && !there) this.again(); // another World, which has no such view yet
-      this.seen ||= there;
+      const world = this.known.take(message);
+      if (world) this.findView(world);
+      else this.send({ type: "world" });
     }
+  }
+
+  private findView(world: JsonObject): void {
+    const there = valueAt(world, `views.${this.view}.render.method`) === "slice";
+    if (this.seen && !there) this.again(); // another World, which has no such view yet
+    this.seen ||= there;
   }
 }
