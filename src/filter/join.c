@@ -2,7 +2,7 @@
 #include "grid/same_grid.h"
 #include "grid/field.h"
 #include "grid/field_copy.h"
-#include "io/keys.h"
+#include "io/header_keys.h"
 #include "registry.h"
 
 #include <stdio.h>
