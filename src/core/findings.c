@@ -149,12 +149,11 @@ static vv_finding copy_of(const vv_finding *f)
 
 void vvi_findings_keep(vvi_findings *out, const vv_job *job)
 {
-    *out = (vvi_findings){.n = job ? job->n_findings : 0};
-    out->all = out->n ? vvi_calloc(out->n, sizeof *out->all) : NULL;
-    if (!out->all)
-        out->n = 0;
-    for (size_t i = 0; i < out->n; i++)
-        out->all[i] = copy_of(&job->findings[i]);
+    *out = (vvi_findings){.n = 0};
+    if (!job || job->n_findings == 0 || !(out->all = vvi_calloc(job->n_findings, sizeof *out->all)))
+        return;
+    for (; out->n < job->n_findings; out->n++)
+        out->all[out->n] = copy_of(&job->findings[out->n]);
 }
 
 void vvi_findings_tell(vv_job *job, const vvi_findings *kept)

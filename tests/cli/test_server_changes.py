@@ -116,7 +116,7 @@ def test_changes_make_the_world_that_others_are_told_as_a_whole():
         async def work():
             async with Page(server, 64, 64) as page, Page(server, 64, 64) as slow:
                 done = 0
-                for step in range(240):
+                for step in range(160):
                     what, number = chance.random(), page.world["number"]
                     if what < 0.2:
                         answer = await page.answer(chance.choice(("undo", "undo", "redo")))
@@ -128,17 +128,18 @@ def test_changes_make_the_world_that_others_are_told_as_a_whole():
                         await page.until(lambda: page.world["number"] > number)
                     if step % 40 == 39:
                         await compare(server, page)
+                        await compare(server, slow)  # who has read nothing meanwhile
                 for _ in range(90):  # and the way back in one
                     await page.answer("undo")
                 await compare(server, page)
-                await compare(server, slow)  # who has read nothing meanwhile
+                await compare(server, slow)
                 await page.ask("new")
                 await page.until(lambda: "volumes" not in page.world["world"])
                 await page.ask("undo")
                 await compare(server, page)
                 return done, len(changes_of(page)), len(changes_of(slow))
         done, told, later = run(work())
-    assert done > 80 and told > 20, (seed, done, told, later)
+    assert done > 60 and told > 20, (seed, done, told, later)
 
 
 main()
