@@ -145,8 +145,10 @@ void cli_answer_print(cli_command *command, const vv_answer *answer, bool csv, b
 /* What people typed may be refused for what the file of defaults says. */
 static vv_status refuse_objects(const cli_command *command, vv_status st)
 {
-    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const int given = (o->iso != NULL) + (o->threshold != NULL) + (o->label != NULL) + (o->mask != NULL);
+    static const char *const objects[] = {"iso", "threshold_lo", "label", "mask"};
+    size_t given = 0;
+    for (size_t i = 0; i < sizeof objects / sizeof *objects; i++)
+        given += cli_measure_typed(command, objects[i]) != NULL;
     return given > 1 ? cli_refused(command, "iso,threshold,label,mask", st) : st;
 }
 
@@ -162,14 +164,14 @@ vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_comma
 {
     cli_measured_inputs in = {0};
     *out = NULL;
-    *asked_out = q->asked ? (vv_measurement *)(void *)vv_object_retain(&q->asked->base) : NULL;
+    *asked_out = (vv_measurement *)(void *)vv_object_retain(&q->asked->base);
     vv_status st = cli_measured_open(&in, command, q);
     if (st == VV_OK)
-        st = q->asked ? check_layer(command, &in, q->asked) : cli_measure_words(asked_out, command, q, &in);
+        st = q->typed ? cli_measure_names(asked_out, command, &in) : check_layer(command, &in, q->asked);
     if (st == VV_OK && (st = cli_measured_open_beside(&in, command, *asked_out)) == VV_OK)
         st = vv_measure_run(out, *asked_out, &in.all, command->job);
     for (size_t i = 0; *out && vv_answer_note(*out, i); i++)
         cli_command_note(command, "%s", vv_answer_note(*out, i));
     cli_measured_close(&in);
-    return st == VV_OK || q->asked ? st : refuse_objects(command, st);
+    return st == VV_OK || !q->typed ? st : refuse_objects(command, st);
 }

@@ -69,10 +69,10 @@ static vv_status ask(vv_answer **answer, vv_object **now, again *a, const vv_mea
     cli_command *command = a->command;
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const vvi_text text = command->text;
-    const cli_question question = {vv_measure_kind_of(m),
-                                   {m->file ? m->file : a->scene, m->other},
-                                   a->scene,
-                                   (vv_measurement *)(void *)vv_object_retain(&m->base)};
+    const cli_question question = {.kind = vv_measure_kind_of(m),
+                                   .file = {m->file ? m->file : a->scene, m->other},
+                                   .edited = a->scene,
+                                   .asked = (vv_measurement *)(void *)vv_object_retain(&m->base)};
     vv_measurement *asked = NULL;
     char *figures = NULL;
     command->text = (vvi_text){0};
