@@ -25,6 +25,7 @@ typedef struct cli_args {
     size_t n_words;
     bool placed;                   /**< some words are for inputs that they say, and others before them are left out */
     size_t place[CLI_PLACES_MOST]; /**< by word, where they are placed: the number of the input */
+    bool named[CLI_PLACES_MOST];   /**< by word: it is named as a further input, the same for each of the first */
     char *names;                   /**< of the inputs, as given for an option; what is behind one of `given` */
 } cli_args;
 

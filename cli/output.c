@@ -107,13 +107,16 @@ static vv_status check_image(const vv_registry *registry, const char *output)
     return fail_suffix(output, registry);
 }
 
+vv_status cli_output_format(const vv_format **out, const cli_command *command, const char *output, const char *name)
+{
+    return name ? vvi_format_named(out, name, command->registry) : vvi_format_of_output(out, output, command->registry);
+}
+
 static vv_status check_volume(const cli_command *command, const char *output, const char *name)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     const vv_format *format;
-    vv_status st;
-    st = name ? vvi_format_named(&format, name, command->registry)
-              : vvi_format_of_output(&format, output, command->registry);
+    vv_status st = cli_output_format(&format, command, output, name);
     if (st != VV_OK ||
         (st = cli_refused(command, "encoding", vvi_format_check_encoding(format, writing->encoding))) != VV_OK)
         return st;
@@ -132,8 +135,7 @@ static vv_status check_mesh(const cli_command *command, const char *output)
 static const vv_format *format_of_folder(const cli_command *command, const char *output, const char *name)
 {
     const vv_format *format;
-    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
-                              : vvi_format_of_output(&format, output, command->registry);
+    const vv_status st = cli_output_format(&format, command, output, name);
     return st == VV_OK && format->folder_file ? format : NULL;
 }
 
@@ -154,8 +156,7 @@ static vv_status check_slices(const cli_command *command, const char *output, co
 {
     const vv_format *format;
     const bool ours = command->common->overwrite || (command->watch && command->watch->n_runs > 0);
-    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
-                              : vvi_format_of_output(&format, output, command->registry);
+    const vv_status st = cli_output_format(&format, command, output, name);
     if (st != VV_OK || ours || format->folder_file != vvi_format_slices.folder_file)
         return st;
     const char *names = vvi_slices_pattern(output);
