@@ -5,6 +5,7 @@
 #define CLI_MEASURE_H
 #include "edits.h"
 #include "input.h"
+#include "measuring/changes.h"
 #include "measuring/measuring.h"
 #include "run/measured.h"
 #include "run/stream.h"
@@ -118,8 +119,8 @@ vv_status cli_measure_store(cli_command *command, const cli_question *question, 
 bool cli_measure_has_stored(cli_command *command, const char *file);
 /** Those of a scene once more: all, or those of n names. */
 vv_status cli_measure_stored(cli_command *command, const char *file, const char *const *names, size_t n);
-/** Figures that changed, of class vv_measured_figure, as "changes" and "changed". How many there are. */
-size_t cli_changes_json(vvi_result *json, const vv_collection *then, const vv_collection *now);
+/** Figures that changed, as "changes" and "changed". */
+void cli_changes_json(vvi_result *json, const vvi_changes *changes);
 /** All figures, and what became of those of before; csv: as rows of a table. id: the measurement's. */
-void cli_changes_put(vvi_text *out, bool csv, const char *id, const vv_collection *then, const vv_collection *now);
+void cli_changes_put(vvi_text *out, bool csv, const char *id, const vvi_changes *changes);
 #endif

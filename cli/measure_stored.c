@@ -48,19 +48,27 @@ static void put_subject(vvi_text *out, const vv_answer *answer, const vv_measure
     put_name(out, "values", m->values);
 }
 
-static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
-                const vv_answer *answer)
+static vv_status put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
+                     const vv_answer *answer)
 {
-    const size_t n = cli_changes_json(&a->command->json, then->figures, now->figures);
-    a->n_changed += n > 0;
-    a->n_new += then->figures->n == 0;
+    vvi_changes changes;
+    const vv_status st = vvi_changes_find(&changes, then->figures, now->figures);
+    if (st != VV_OK)
+        return st;
+    cli_changes_json(&a->command->json, &changes);
+    a->n_changed += changes.n_changed > 0;
+    a->n_new += !changes.compared;
     if (!a->csv) {
         vvi_text_printf(&a->text, "%s: %s%s", id, kind_of(then), then->file ? " of " : "");
         vvi_text_add_clean(&a->text, then->file ? then->file : "");
-        vvi_text_add(&a->text, then->figures->n == 0 ? ", for the first time\n" : n ? ", CHANGED\n" : ", as before\n");
+        vvi_text_add(&a->text, !changes.compared       ? ", for the first time\n"
+                               : changes.n_changed > 0 ? ", CHANGED\n"
+                                                       : ", as before\n");
         put_subject(&a->text, answer, then);
     }
-    cli_changes_put(&a->text, a->csv, id, then->figures, now->figures);
+    cli_changes_put(&a->text, a->csv, id, &changes);
+    vvi_changes_free(&changes);
+    return VV_OK;
 }
 
 /* The answer, and its figures as those that a scene has. What it says as text is left aside. */
@@ -171,8 +179,8 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
     const vvi_result before = *json;
     vv_status st = ask(&answer, &now, a, m);
     if (st == VV_OK) {
-        put(a, id, m, (const vv_measurement *)(const void *)now, answer);
-        st = keep(a, id, now);
+        if ((st = put(a, id, m, (const vv_measurement *)(const void *)now, answer)) == VV_OK)
+            st = keep(a, id, now);
     } else {
         st = stays_alone(st) ? fail_moved(m, id, st) : vv_fail_in(st, "measurements.%s", id);
     }

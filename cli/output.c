@@ -6,6 +6,7 @@
 #include "io/mesh_file.h"
 #include "refusal.h"
 #include "registry.h"
+#include "value.h"
 #include "watch.h"
 #include <dirent.h>
 #include <errno.h>
@@ -41,15 +42,9 @@ void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *comm
     out->spare_inputs = !command->common->overwrite;
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
-}
-
 bool cli_output_is_figure(const char *output)
 {
-    return ends_with(output, ".svg");
+    return cli_ends_with(output, ".svg");
 }
 
 static vv_status fail_suffix(const char *output, const vv_registry *registry)
@@ -94,17 +89,23 @@ vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command,
                          "there is no format of pictures '%.60s'", name);
 }
 
+const vv_image_format *cli_output_picture(const vv_registry *registry, const char *output)
+{
+    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
+        for (size_t s = 0; (*row)->suffixes[s]; s++)
+            if (cli_ends_with(output, (*row)->suffixes[s]))
+                return *row;
+    return NULL;
+}
+
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
-    for (size_t i = 0; registry->image_formats[i]; i++) {
-        const vv_image_format *format = registry->image_formats[i];
-        for (size_t s = 0; format->suffixes[s]; s++)
-            if (ends_with(output, format->suffixes[s]))
-                return format->write ? VV_OK
-                                     : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s",
-                                                  format->name, format->doc);
-    }
-    return fail_suffix(output, registry);
+    const vv_image_format *format = cli_output_picture(registry, output);
+    if (!format)
+        return fail_suffix(output, registry);
+    return format->write ? VV_OK
+                         : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s", format->name,
+                                      format->doc);
 }
 
 vv_status cli_output_format(const vv_format **out, const cli_command *command, const char *output, const char *name)
@@ -199,19 +200,13 @@ static vv_status check_folder(const char *output, const vv_format *format)
     return st;
 }
 
-static const char *base_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 bool cli_output_is(const char *output, const char *path)
 {
     struct stat out, in;
     if (!output || stat(output, &out) == 0)
         return output && stat(path, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino;
     char *folder_out = cli_folder_of(output), *folder_in = cli_folder_of(path);
-    const bool same = folder_out && folder_in && strcmp(base_of(output), base_of(path)) == 0 &&
+    const bool same = folder_out && folder_in && strcmp(cli_base_of(output), cli_base_of(path)) == 0 &&
                       stat(folder_out, &out) == 0 && stat(folder_in, &in) == 0 && in.st_dev == out.st_dev &&
                       in.st_ino == out.st_ino;
     free(folder_out);
@@ -245,14 +240,12 @@ static const char *contents_by_suffix(const char *output, const vv_registry *reg
 {
     size_t n;
     vvi_path_coding(output, &n);
-    if (ends_with(output, ".vv.json"))
+    if (cli_ends_with(output, ".vv.json"))
         return "scene";
     if (vvi_mesh_format_of_path(output, registry))
         return "mesh";
-    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
-        for (size_t s = 0; (*row)->suffixes[s]; s++)
-            if (ends_with(output, (*row)->suffixes[s]))
-                return "picture";
+    if (cli_output_picture(registry, output))
+        return "picture";
     for (const vv_format *const *row = registry->formats; *row; row++)
         if (vvi_format_has_suffix(*row, output, n))
             return "volume";

@@ -30,6 +30,8 @@ vv_status cli_output_check_mesh_options(const cli_command *command, const char *
 vv_status cli_output_check_image_options(const cli_command *command, const char *output);
 /** The suffix of a format of pictures by its name, or by one of its suffixes: what standard output is to hold. */
 vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name);
+/** The format of pictures by the suffix; NULL: it is none. */
+const vv_image_format *cli_output_picture(const vv_registry *registry, const char *output);
 /** Whether it is to be an SVG figure. */
 bool cli_output_is_figure(const char *output);
 /** The command's -o; VV_E_ARGUMENT says what it is for when there is none. */

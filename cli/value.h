@@ -4,6 +4,8 @@
 #ifndef CLI_VALUE_H
 #define CLI_VALUE_H
 #include "core/text.h"
+#include <string.h>
+#include <strings.h>
 #include <volvis/property.h>
 
 /** Exactly n numbers between commas (or `x` where by_x), two of them also as LO..HI: VV_E_ARGUMENT says what was
@@ -42,6 +44,20 @@ vv_status cli_path_each(const vv_object *root, const char *path, cli_path_fn *fn
 static inline const char *cli_plural(uint64_t n, const char *one, const char *several)
 {
     return n == 1 ? one : several;
+}
+
+/** Whether a path or a word has that suffix, in whatever letter case, behind something. */
+static inline bool cli_ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), n_end = strlen(end);
+    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
+}
+
+/** A path without its folders. */
+static inline const char *cli_base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
 }
 
 /** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near.

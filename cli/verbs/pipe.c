@@ -9,6 +9,7 @@
 #include "pipeline.h"
 #include "run/made.h"
 #include "scene/load.h"
+#include "value.h"
 #include "verbs.h"
 #include "watch.h"
 #include <stdio.h>
@@ -54,12 +55,6 @@ static vv_status take_words(piping *p)
         return vv_fail(VV_E_ARGUMENT, "no word is a chain of operations; quote it, as in 'gaussian --sigma 1mm | "
                                       "threshold --range 80..', and 'volvis operations' lists what there is");
     return p->n > 0 ? VV_OK : vv_fail(VV_E_ARGUMENT, "an input is missing: the file that the first operation works on");
-}
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
 }
 
 static const vv_dataset *result(const piping *p)
@@ -250,7 +245,7 @@ static vv_status check_output(piping *p, bool *scene_out)
     const vv_status st = cli_output_need(&p->output, command, "the scene or the result");
     if (st != VV_OK)
         return st;
-    *scene_out = ends_with(p->output, ".vv.json");
+    *scene_out = cli_ends_with(p->output, ".vv.json");
     if (*scene_out)
         return cli_output_check(command, p->output, CLI_OUTPUT_TEXT, NULL);
     const bool mesh = cli_mesh_is_output(command, p->output, writing->output_format);
