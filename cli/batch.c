@@ -137,19 +137,11 @@ vv_status cli_batch_check(const cli_args *args, const cli_verb *verb)
     return st;
 }
 
-static bool is_given_between(const cli_args *args)
-{
-    for (size_t i = 0; i < args->n_given; i++)
-        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 && args->given[i].n_before < args->n_words)
-            return true;
-    return false;
-}
-
 /* As in one picture of several inputs: an option about values that stands between two is for the one before it, and so
  * is one after the last where others were given before. */
 static bool is_for(const cli_args *args, const cli_given *given, size_t index)
 {
-    const bool one = cli_edit_is_each(given) && given->n_before > 0 && is_given_between(args);
+    const bool one = cli_edit_is_each(given) && given->n_before > 0 && cli_edit_given_between(args, args->n_words);
     return !one || given->n_before == index + 1;
 }
 

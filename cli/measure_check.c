@@ -6,6 +6,7 @@
 #include "output.h"
 #include "pipeline.h"
 #include "refusal.h"
+#include "value.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -98,12 +99,6 @@ vv_status cli_measure_check(cli_command *command, const cli_question *q)
 
 /* Output ---------------------------------------------------------------------------------------------------------- */
 
-static const char *suffix_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-    return dot ? dot : "";
-}
-
 /* Nothing that is read is replaced, by a plot or by figures. */
 static vv_status check_file(cli_command *command)
 {
@@ -124,7 +119,7 @@ vv_status cli_measure_output(cli_command *command, const vv_measure_kind *kind)
     vv_status st;
     if (!output || strcmp(output, "-") == 0)
         return VV_OK;
-    const char *suffix = suffix_of(output);
+    const char *suffix = cli_suffix_of(output);
     const bool json = strcasecmp(suffix, ".json") == 0, csv = strcasecmp(suffix, ".csv") == 0;
     if ((json && o->csv) || (csv && command->common->json))
         return vv_fail(VV_E_ARGUMENT, "-o %s: --%s is not what its suffix says", output, json ? "csv" : "json");

@@ -64,21 +64,14 @@ static void choose_name(char out[64], const vv_world *world, const target *t, co
         snprintf(out, 64, "%s_%d", kind, i);
 }
 
-static vv_status put(vv_world **world, const char *name, const char *json, cli_command *command)
+static vv_status put(vv_world **world, const char *name, const char *json)
 {
-    vv_model *model = NULL;
+    vv_object *root = &(*world)->base;
     char *path = vvi_asprintf("measurements.%s", name);
-    vv_status st = path ? vv_model_new(&model, command->runtime) : vv_fail_memory(strlen(name));
-    if (st == VV_OK && (st = vv_model_replace(model, NULL, *world)) == VV_OK &&
-        (st = vv_model_set(model, NULL, path, json)) != VV_OK)
-        st = vv_fail_in(st, "--store");
-    if (st == VV_OK) {
-        vv_object_release(&(*world)->base);
-        *world = vv_model_snapshot(model);
-    }
-    vv_model_release(model);
+    vv_status st = path ? vv_path_set(&root, path, json, NULL) : vv_fail_memory(strlen(name));
+    *world = (vv_world *)(void *)root;
     free(path);
-    return st;
+    return st == VV_OK ? st : vv_fail_in(st, "--store");
 }
 
 /* Files beside a scene's own are named by their path alone. */
@@ -165,7 +158,7 @@ static vv_status keep(cli_command *command, const cli_question *q, const target 
         note_replaced(command, world, name, q, file);
         st = describe(&json, asked, answer, file, q->file[1]);
     }
-    if (st == VV_OK && (st = put(&world, name, json, command)) == VV_OK &&
+    if (st == VV_OK && (st = put(&world, name, json)) == VV_OK &&
         (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
         vvi_result_string(&command->json, "stored_in", scene);
         vvi_result_string(&command->json, "stored_as", name);

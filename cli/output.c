@@ -49,13 +49,13 @@ bool cli_output_is_figure(const char *output)
 
 static vv_status fail_suffix(const char *output, const vv_registry *registry)
 {
-    const char *names[MAX_SUFFIXES], *slash = strrchr(output, '/'), *dot = strrchr(slash ? slash : output, '.');
+    const char *names[MAX_SUFFIXES];
     size_t n = 0;
     for (const vv_image_format *const *row = registry->image_formats; *row; row++)
         for (const char *const *s = (*row)->suffixes; (*row)->write && *s && n + 1 < MAX_SUFFIXES; s++)
             names[n++] = *s;
     names[n++] = ".svg";
-    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, dot ? dot : "", &(vvi_known){names, n, NULL, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, cli_suffix_of(output), &(vvi_known){names, n, NULL, NULL},
                          "has no suffix that an image format writes");
 }
 
