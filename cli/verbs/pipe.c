@@ -83,22 +83,6 @@ static vv_status make_world(piping *p)
 
 /* A scene ------------------------------------------------------------------------------------------------------- */
 
-static vv_status set_frames(vv_world **world, int64_t frame)
-{
-    vv_object *root = &(*world)->base;
-    vv_status st = VV_OK;
-    const size_t n = (*world)->volumes->n;
-    for (size_t i = 0; i < n && st == VV_OK && frame >= 0; i++) {
-        char path[128], value[32];
-        const vv_world *now = (const vv_world *)(const void *)root;
-        snprintf(path, sizeof path, "volumes.%s.frame", now->volumes->entry[i].id);
-        snprintf(value, sizeof value, "%lld", (long long)frame);
-        st = vv_path_set(&root, path, value, NULL);
-    }
-    *world = (vv_world *)(void *)root;
-    return st;
-}
-
 static vv_status write_scene(piping *p)
 {
     cli_command *command = p->command;
@@ -107,7 +91,7 @@ static vv_status write_scene(piping *p)
         return vv_fail_at(VV_E_ARGUMENT, "standard input", NULL,
                           "cannot be named by a scene; write it to a file first, or write the result with -o FILE");
     vv_status st = vvi_world_for_dataset(&shown, p->world, p->last, command->job);
-    if (st == VV_OK && (st = set_frames(&shown, p->frame)) == VV_OK && !command->common->dry_run)
+    if (st == VV_OK && (st = cli_world_set_frame(&shown, p->frame)) == VV_OK && !command->common->dry_run)
         st = vv_scene_write(p->output, shown, command->job);
     if (st == VV_OK) {
         vvi_result_string(&command->json, "output", p->output);
