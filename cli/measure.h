@@ -94,8 +94,8 @@ vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_me
 
 /* Answers --------------------------------------------------------------------------------------------------------- */
 
-/** One question, answered. *asked_out: what was asked, labels and all. Both are yours to release, also when this fails;
- * notes are told. */
+/** One question, answered. *asked_out: what was asked, labels and all, and its figures. Both are yours to release, also
+ * when this fails; notes are told. */
 vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_command *command,
                           const cli_question *question);
 /** As text or as a table, and in JSON. */
@@ -112,9 +112,8 @@ vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const ch
 
 /** --store: whether it can be, before anything is measured. */
 vv_status cli_measure_store_check(cli_command *command, const char *input);
-/** --store: the question and its figures, into a scene. */
-vv_status cli_measure_store(cli_command *command, const cli_question *question, const vv_measurement *asked,
-                            const vv_answer *answer);
+/** --store: what was asked, with its figures, into a scene. */
+vv_status cli_measure_store(cli_command *command, const cli_question *question, const vv_measurement *asked);
 /** Whether `file` is a scene that has measurements. */
 bool cli_measure_has_stored(cli_command *command, const char *file);
 /** Those of a scene once more: all, or those of n names. */

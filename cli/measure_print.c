@@ -3,6 +3,7 @@
 #include "label_layers.h"
 #include "measure.h"
 #include "refusal.h"
+#include <stdlib.h>
 
 /* Text ------------------------------------------------------------------------------------------------------------ */
 
@@ -52,6 +53,18 @@ static vv_status check_layer(const cli_command *command, const cli_measured_inpu
                : VV_OK;
 }
 
+static vv_status take_figures(vv_measurement **asked, const vv_answer *answer)
+{
+    vv_object *object = &(*asked)->base;
+    char *figures = NULL;
+    vv_status st = vv_answer_figures(&figures, answer);
+    if (st == VV_OK)
+        st = vv_path_set(&object, "figures", figures, NULL);
+    *asked = (vv_measurement *)(void *)object;
+    free(figures);
+    return st;
+}
+
 vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_command *command, const cli_question *q)
 {
     cli_measured_inputs in = {0};
@@ -62,6 +75,8 @@ vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_comma
         st = q->typed ? cli_measure_names(asked_out, command, &in) : check_layer(command, &in, q->asked);
     if (st == VV_OK && (st = cli_measured_open_beside(&in, command, *asked_out)) == VV_OK)
         st = vv_measure_run(out, *asked_out, &in.all, command->job);
+    if (st == VV_OK)
+        st = take_figures(asked_out, *out);
     for (size_t i = 0; *out && vv_answer_note(*out, i); i++)
         cli_command_note(command, "%s", vv_answer_note(*out, i));
     cli_measured_close(&in);

@@ -85,7 +85,7 @@ static vv_status answer(cli_command *command, const cli_question *q)
         st = cli_plot_write(command, answer, q->file[0], o->log);
     }
     if (st == VV_OK && o->store)
-        st = cli_measure_store(command, q, asked, answer);
+        st = cli_measure_store(command, q, asked);
     vv_answer_release(answer);
     vv_object_release(asked ? &asked->base : NULL);
     return st;
