@@ -4,6 +4,7 @@
 #include "operands.h"
 #include "options.h"
 #include "usage.h"
+#include "value.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,8 @@ static bool is_named(const vv_property *row, const char *name, size_t n)
 {
     char spelled[64];
     cli_option_name(spelled, row);
+    if (!*spelled)
+        return false;
     return (strlen(spelled) == n && memcmp(spelled, name, n) == 0) ||
            (row->option && strlen(row->name) == n && memcmp(row->name, name, n) == 0);
 }
@@ -85,6 +88,21 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
                        dashes, typed, dashes, typed);
     return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; 'volvis help %s' lists them", verb->name, dashes, typed,
                    verb->name);
+}
+
+bool cli_option_is_listed(const vv_property *row)
+{
+    return !row->hidden && (!row->option || *row->option);
+}
+
+bool cli_option_adds_row(const vv_property *row)
+{
+    return row->kind == VV_KIND_NUMBERS && row->columns > 1 && !row->lone;
+}
+
+bool cli_option_is_named(const vv_property *row)
+{
+    return row->quantity == VV_Q_LABEL || (row->option && strcmp(row->option, "channel") == 0);
 }
 
 bool cli_option_alone(const vv_property *row)
@@ -190,32 +208,70 @@ void cli_args_free(cli_args *args)
     *args = (cli_args){0};
 }
 
+/* LO..HI; what is left out has no limit. */
+static vv_status apply_range(vv_object **object, const vv_property *row, const char *typed,
+                             const vv_property_context *context)
+{
+    char end[2][64];
+    vv_status st = cli_value_split_range(end[0], end[1], typed) ? VV_OK : VV_E_ARGUMENT;
+    for (int i = 0; i < 2 && st == VV_OK; i++)
+        st = *end[i] ? vv_path_set(object, row[i].name, end[i], context) : vv_path_unset(object, row[i].name, context);
+    if (st == VV_E_ARGUMENT)
+        return vv_fail(st, "expected LO..HI, as in 90..300, 90.. or 90, found '%s'", typed);
+    if (st != VV_OK || !*end[0] || !*end[1])
+        return st;
+    const double *lo = (const void *)((const char *)*object + row[0].offset);
+    const double *hi = (const void *)((const char *)*object + row[1].offset);
+    return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "LO is above HI in '%s'; exchange them", typed);
+}
+
 static vv_status apply(vv_object **object, const cli_given *given, const vv_property_context *context)
 {
+    const vv_property *row = given->row;
     vvi_text json = {0};
     if (!given->text[0]) /* a script's variable that was never set: the default may not be what was meant */
         return vv_fail(VV_E_ARGUMENT, "needs a value, found an empty one; leave the option out for its default");
-    if (given->row->kind != VV_KIND_LIST)
-        return vv_path_set(object, given->row->name, given->text, context);
+    if (row->ranged)
+        return apply_range(object, row, given->text, context);
+    if (cli_option_adds_row(row))
+        return vv_path_add(object, row->name, NULL, given->text, context);
+    if (row->kind != VV_KIND_LIST)
+        return vv_path_set(object, row->name, given->text, context);
     vvi_text_add(&json, "{\"text\":");
     vvi_text_json(&json, given->text);
     vvi_text_add(&json, "}");
-    const vv_status st =
-        json.bad ? vv_fail_memory(json.n) : vv_path_add(object, given->row->name, NULL, json.s, context);
+    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_add(object, row->name, NULL, json.s, context);
     vvi_text_free(&json);
     return st;
 }
 
-/* The engine's sentence begins with the property's path; people typed an option. */
-static void fail_option(vv_status st, const vv_property *row)
+/* Whether a row of plain numbers is wanted, and something else was typed: the engine would say so of JSON. */
+static const char *missed_shape(const vv_property *row, const char *typed)
 {
+    const bool table = row->kind == VV_KIND_NUMBERS && row->columns > 1, point = row->kind == VV_KIND_VEC3;
+    const size_t n = point ? 3 : (size_t)row->columns;
+    double v[3];
+    if ((!table && !point) || row->quantity != VV_Q_NONE || n > 3 || !*typed ||
+        cli_value_numbers(v, n, typed, false) == VV_OK)
+        return NULL;
+    return n == 3 ? "X,Y,Z, as in 80,90,60" : "LO..HI, as in 0..300";
+}
+
+/* The engine's sentence begins with the property's path; people typed an option. */
+static void fail_option(vv_status st, const cli_given *given)
+{
+    const vv_property *row = given->row;
     char name[64], text[512];
     const size_t n = strlen(row->name);
-    const char *message = vv_error_last()->message;
+    const char *message = vv_error_last()->message, *shape = missed_shape(row, given->text);
+    const char *behind = strncmp(message, row->name, n) == 0 ? strstr(message + n, ": ") : NULL;
     cli_option_name(name, row);
-    if (strncmp(message, row->name, n) == 0 && message[n] == ':')
-        message += n + 1 + strspn(message + n + 1, " ");
-    snprintf(text, sizeof text, "%s", message);
+    if (behind && message[n] == ':')
+        message = behind + 2;
+    if (shape)
+        snprintf(text, sizeof text, "expected %s, found '%s'", shape, given->text);
+    else
+        snprintf(text, sizeof text, "%s", message);
     vv_fail(st, "--%s: %s", name, text);
 }
 
@@ -232,7 +288,7 @@ vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class 
     vv_status st = vv_object_new(out, cls, context);
     for (size_t i = 0; i < args->n_given && st == VV_OK; i++) {
         if (args->given[i].cls == cls && (st = apply(out, &args->given[i], context)) != VV_OK) {
-            fail_option(st, args->given[i].row);
+            fail_option(st, &args->given[i]);
             if (args->given[i].place)
                 vv_fail_in(st, "%s", args->given[i].place);
         }

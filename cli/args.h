@@ -25,6 +25,7 @@ typedef struct cli_args {
     size_t n_words;
     bool placed;                   /**< some words are for inputs that they say, and others before them are left out */
     size_t place[CLI_PLACES_MOST]; /**< by word, where they are placed: the number of the input */
+    bool named[CLI_PLACES_MOST];   /**< by word: it is named as a further input, the same for each of the first */
     char *names;                   /**< of the inputs, as given for an option; what is behind one of `given` */
 } cli_args;
 
@@ -38,6 +39,12 @@ vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class 
 void cli_args_hide(const cli_args *args, const char *name);
 /** "dry_run" as it is typed: "dry-run". */
 void cli_option_name(char out[64], const vv_property *row);
+/** Whether help and completions list it; what is no option at all they do not. */
+bool cli_option_is_listed(const vv_property *row);
+/** Whether each time that it is given adds a row to a table. */
+bool cli_option_adds_row(const vv_property *row);
+/** Whether it takes labels or channels, which the input has names for. */
+bool cli_option_is_named(const vv_property *row);
 /** Whether an option may stand without a value: an enumeration that begins with "none" and "auto". Alone it says auto;
  * a value stands behind "=". */
 bool cli_option_alone(const vv_property *row);

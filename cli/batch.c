@@ -21,10 +21,19 @@ static cli_given *output_of(const cli_args *args)
     return found;
 }
 
+/* A further input, which is for each of the runs. */
+static bool is_shared(const cli_args *args, size_t word)
+{
+    return word < CLI_PLACES_MOST && args->named[word];
+}
+
 size_t cli_batch_count(const cli_args *args, const cli_verb *verb)
 {
     const cli_given *output = output_of(args);
-    return verb->each_input && output && strstr(output->text, mark) ? args->n_words : 0;
+    size_t n = 0;
+    for (size_t i = 0; i < args->n_words; i++)
+        n += !is_shared(args, i);
+    return verb->each_input && output && strstr(output->text, mark) ? n : 0;
 }
 
 /* "data/head.nii.gz" is "head": without folder, packing and suffix. */
@@ -116,9 +125,9 @@ vv_status cli_batch_check(const cli_args *args, const cli_verb *verb)
     char **outputs = calloc(args->n_words + 1, sizeof *outputs);
     vv_status st = outputs ? VV_OK : vv_fail_memory(args->n_words * sizeof *outputs);
     for (size_t i = 0; i < args->n_words && st == VV_OK; i++) {
-        st = make_output(&outputs[i], pattern, args->words[i]);
-        for (size_t j = 0; j < i && st == VV_OK; j++)
-            if (strcmp(outputs[i], outputs[j]) == 0)
+        st = is_shared(args, i) ? VV_OK : make_output(&outputs[i], pattern, args->words[i]);
+        for (size_t j = 0; j < i && st == VV_OK && outputs[i]; j++)
+            if (outputs[j] && strcmp(outputs[i], outputs[j]) == 0)
                 st = vv_fail(VV_E_ARGUMENT, "-o %s would be '%s' for both '%s' and '%s'", pattern, outputs[i],
                              args->words[j], args->words[i]);
     }
@@ -128,19 +137,11 @@ vv_status cli_batch_check(const cli_args *args, const cli_verb *verb)
     return st;
 }
 
-static bool is_given_between(const cli_args *args)
-{
-    for (size_t i = 0; i < args->n_given; i++)
-        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 && args->given[i].n_before < args->n_words)
-            return true;
-    return false;
-}
-
 /* As in one picture of several inputs: an option about values that stands between two is for the one before it, and so
  * is one after the last where others were given before. */
 static bool is_for(const cli_args *args, const cli_given *given, size_t index)
 {
-    const bool one = cli_edit_is_each(given) && given->n_before > 0 && is_given_between(args);
+    const bool one = cli_edit_is_each(given) && given->n_before > 0 && cli_edit_given_between(args, args->n_words);
     return !one || given->n_before == index + 1;
 }
 
@@ -162,13 +163,24 @@ static void take_options(cli_args *args, size_t index)
 vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
 {
     cli_given *output = output_of(args);
-    const vv_status st = make_output(output_out, output->text, args->words[index]);
+    size_t word = 0, n = 1;
+    for (size_t left = index; left > 0 || is_shared(args, word); word++)
+        left -= !is_shared(args, word);
+    const vv_status st = make_output(output_out, output->text, args->words[word]);
     if (st != VV_OK)
         return st;
     output->text = *output_out;
     take_options(args, index);
-    args->words[0] = args->words[index];
-    args->n_words = 1;
+    const char *input = args->words[word];
     args->placed = false;
+    for (size_t i = 0; i < args->n_words; i++)
+        if (is_shared(args, i)) {
+            args->placed |= args->place[i] != n;
+            args->place[n] = args->place[i];
+            args->words[n++] = args->words[i];
+        }
+    args->words[0] = input;
+    args->place[0] = 0;
+    args->n_words = n;
     return VV_OK;
 }

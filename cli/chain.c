@@ -143,15 +143,6 @@ static vv_status parse(step *s)
 
 /* Inputs ----------------------------------------------------------------------------------------------------------- */
 
-static vv_status set_text(vv_object **root, const char *path, const char *text)
-{
-    vvi_text json = {0};
-    vvi_text_json(&json, text);
-    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_set(root, path, json.s, NULL);
-    vvi_text_free(&json);
-    return st;
-}
-
 static void free_id(char out[ID_ROOM], const vv_world *world, const char *id)
 {
     unsigned n = 1;
@@ -195,10 +186,10 @@ static vv_status add_file(step *s, char id_out[ID_ROOM], const cli_input_name *n
     snprintf(path, sizeof path, "datasets.%s.path", id_out);
     vv_status st = vv_path_add(&root, "datasets", id_out, NULL, NULL);
     if (st == VV_OK)
-        st = set_text(&root, path, name->path);
+        st = vv_path_set_text(&root, path, name->path, NULL);
     snprintf(path, sizeof path, "datasets.%s.part", id_out);
     if (st == VV_OK && name->part)
-        st = set_text(&root, path, name->part);
+        st = vv_path_set_text(&root, path, name->part, NULL);
     *s->world = (vv_world *)(void *)root;
     return st;
 }
@@ -429,7 +420,7 @@ static vv_status show_in_place(vv_world **world, const char *from, const char *i
         char path[ID_ROOM + 32];
         snprintf(path, sizeof path, "volumes.%s.data", volumes->entry[i].id);
         if (!volume->data || strcmp(volume->data, from) == 0)
-            st = set_text(&root, path, id);
+            st = vv_path_set_text(&root, path, id, NULL);
     }
     vv_object_release(&(*world)->base);
     *world = (vv_world *)(void *)root;

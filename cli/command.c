@@ -100,8 +100,7 @@ static vv_status make_options(cli_command *command)
     vv_status st = VV_OK;
     for (size_t i = 0; i < CLI_VERB_CLASSES && st == VV_OK; i++) {
         const vv_class *cls = command->verb.options[i];
-        const bool needs_units = command->verb.operation && cls == command->verb.operation->params;
-        if (cls && !needs_units)
+        if (cls && cls != command->verb.own)
             st = cli_args_object(&command->options[i], &command->args, cls, NULL);
     }
     return st;

@@ -52,7 +52,7 @@ typedef struct cli_command {
 /** The whole program. */
 int cli_command_main(int argc, char **argv);
 
-/** The verb's options of one class, borrowed. An operation's parameters are made by itself, with its input's units. */
+/** The verb's options of one class, borrowed. Not of the class that the verb makes by itself. */
 const void *cli_command_options(const cli_command *command, const vv_class *cls);
 /** Word by number; NULL past the end. */
 const char *cli_command_word(const cli_command *command, size_t index);

@@ -10,6 +10,8 @@ static void add_values(vvi_text *out, const vv_registry *registry, const char *v
         vvi_text choices = {0};
         char name[64];
         cli_option_name(name, row);
+        if (!*name)
+            continue;
         if (cli_completions_choices(&choices, registry, row)) {
             vvi_text_printf(out, "    %s:--%s) words='", verb, name);
             cli_completions_quote(out, choices.s);
@@ -31,7 +33,7 @@ static void add_options(vvi_text *out, const cli_verb *verb)
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++) {
             char name[64];
-            if (row->hidden)
+            if (!cli_option_is_listed(row))
                 continue;
             cli_option_name(name, row);
             vvi_text_printf(out, "--%s%s ", row->kind == VV_KIND_BOOL && row->def != 0 ? "no-" : "", name);

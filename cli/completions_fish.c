@@ -16,8 +16,9 @@ static void quote(vvi_text *out, const char *s)
 static void add_option(vvi_text *out, const vv_registry *registry, const char *verb, const vv_property *row)
 {
     char name[64];
-    vvi_text choices = {0};
+    vvi_text choices = {0}, about = {0};
     cli_option_name(name, row);
+    cli_usage_about(&about, row);
     vvi_text_printf(out, "complete -c volvis -n '__fish_seen_subcommand_from %s' -l %s%s", verb,
                     row->kind == VV_KIND_BOOL && row->def != 0 ? "no-" : "", name);
     if (row->letter)
@@ -33,8 +34,9 @@ static void add_option(vvi_text *out, const vv_registry *registry, const char *v
         }
     }
     vvi_text_add(out, " -d '");
-    quote(out, row->doc);
+    quote(out, about.bad ? "" : about.s);
     vvi_text_add(out, "'\n");
+    vvi_text_free(&about);
     vvi_text_free(&choices);
 }
 
@@ -53,7 +55,7 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
     vvi_text_free(&choices);
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
-            if (!row->hidden)
+            if (cli_option_is_listed(row))
                 add_option(out, registry, verb->name, row);
     }
 }

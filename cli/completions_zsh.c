@@ -32,13 +32,16 @@ static void add_action(vvi_text *out, const vv_registry *registry, const vv_prop
 static void add_option(vvi_text *out, const vv_registry *registry, const vv_property *row)
 {
     char name[64];
+    vvi_text about = {0};
     cli_option_name(name, row);
-    vvi_text_printf(out, "            '%s--%s%s%s[", row->kind == VV_KIND_LIST ? "*" : "",
+    cli_usage_about(&about, row);
+    vvi_text_printf(out, "            '%s--%s%s%s[", row->kind == VV_KIND_LIST || cli_option_adds_row(row) ? "*" : "",
                     row->kind == VV_KIND_BOOL && row->def != 0 ? "no-" : "", name,
                     row->kind == VV_KIND_BOOL ? ""
                     : cli_option_alone(row)   ? "=-"
                                               : "=");
-    add_doc(out, row->doc);
+    add_doc(out, about.bad ? "" : about.s);
+    vvi_text_free(&about);
     vvi_text_add(out, "]");
     if (cli_option_alone(row))
         vvi_text_add(out, ":");
@@ -56,7 +59,7 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
     vvi_text_printf(out, "        %s)\n        _arguments \\\n", verb->name);
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
-            if (!row->hidden)
+            if (cli_option_is_listed(row))
                 add_option(out, registry, row);
     }
     if (cli_completions_words(&choices, registry, verb)) {

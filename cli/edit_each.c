@@ -55,12 +55,10 @@ static vv_status check_name(const cli_command *command, const char *option, cons
 }
 
 /* Whether an option about values stands between inputs: then those after the last one are its own, too. */
-static bool is_given_between(const cli_edits *edits)
+bool cli_edit_given_between(const cli_args *args, size_t n_inputs)
 {
-    const cli_args *args = &edits->command->args;
     for (size_t i = 0; i < args->n_given; i++)
-        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 &&
-            args->given[i].n_before < edits->n_inputs)
+        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 && args->given[i].n_before < n_inputs)
             return true;
     return false;
 }
@@ -73,7 +71,8 @@ static vv_status find_target(target *out, const cli_edits *edits, const vv_colle
         return VV_OK;
     const vv_status st = check_name(edits->command, option, volumes, given->text);
     *out = (target){given->text, 0, volumes->n};
-    if (edits->ends && at > 0 && at <= edits->n_inputs && (at < edits->n_inputs || is_given_between(edits))) {
+    if (edits->ends && at > 0 && at <= edits->n_inputs &&
+        (at < edits->n_inputs || cli_edit_given_between(&edits->command->args, edits->n_inputs))) {
         out->lo = at > 1 ? edits->ends[at - 2] : 0;
         out->hi = edits->ends[at - 1];
     }

@@ -64,6 +64,8 @@ typedef vv_status cli_edit_value_fn(cli_edits *edits, const char *typed, const c
 vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn);
 /** Whether an option is one of those: --tf, --range, ... */
 bool cli_edit_is_each(const cli_given *given);
+/** Whether one of them stands between two inputs. */
+bool cli_edit_given_between(const cli_args *args, size_t n_inputs);
 /** Whether the view's method shows slices. */
 bool cli_edit_is_slice(cli_edits *edits);
 vv_status cli_edit_colors(cli_edits *edits); /* --color, --opacity */

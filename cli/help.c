@@ -29,9 +29,11 @@ void cli_help_entry(vvi_text *out, const char *left, const char *right)
     cli_text_wrap(out, right, RIGHT_COLUMN, RIGHT_COLUMN, width());
 }
 
+/* title NULL: it goes on under the last one. */
 static void add_class(vvi_text *out, const char *title, const vv_class *cls)
 {
-    vvi_text_printf(out, "\n%s\n", title);
+    if (title)
+        vvi_text_printf(out, "\n%s\n", title);
     cli_properties_text(out, "", cls, true);
 }
 
@@ -61,10 +63,14 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
     vvi_text_add(out, "\n");
     if (verb->about)
         add_paragraph(out, verb->about);
+    const char *last = NULL;
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
-        if (cls && cls->properties->name)
-            add_class(out, cli_is_reading(cls) ? "Reading" : cls == &cli_writing_class ? "Writing" : "Options", cls);
+        const char *title = cli_is_reading(cls) ? "Reading" : cls == &cli_writing_class ? "Writing" : "Options";
+        if (!cls || !cls->properties->name)
+            continue;
+        add_class(out, title == last ? NULL : title, cls);
+        last = title;
     }
     add_class(out, "Options of every verb", verb->world ? &cli_common_class : &cli_common_plain_class);
     if (verb->world)

@@ -92,18 +92,16 @@ char *cli_folder_of(const char *path)
     return strndup(path, slash == path ? 1 : (size_t)(slash - path));
 }
 
-/* The time step in every volume of the World. */
-static vv_status set_frame(vv_world **world, int64_t frame)
+vv_status cli_world_set_frame(vv_world **world, int64_t frame)
 {
     vv_object *root = &(*world)->base;
     vv_status st = VV_OK;
     const size_t n = (*world)->volumes->n;
     for (size_t i = 0; i < n && st == VV_OK && frame >= 0; i++) {
-        char path[160], value[32];
+        char path[160];
         const vv_world *now = (const vv_world *)(const void *)root;
         snprintf(path, sizeof path, "volumes.%s.frame", now->volumes->entry[i].id);
-        snprintf(value, sizeof value, "%" PRId64, frame);
-        st = vv_path_set(&root, path, value, NULL);
+        st = vv_path_set_integer(&root, path, frame, NULL);
     }
     *world = (vv_world *)(void *)root;
     return st;
@@ -147,7 +145,7 @@ vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *c
     if ((st = split(&name, command, word)) != VV_OK)
         return st;
     st = read_world(out, recipe_out, command, &name);
-    if (st == VV_OK && ((st = set_frame(out, chosen_frame(command, name.frame))) != VV_OK ||
+    if (st == VV_OK && ((st = cli_world_set_frame(out, chosen_frame(command, name.frame))) != VV_OK ||
                         (st = cli_missing_set(out, command)) != VV_OK)) {
         vv_object_release(&(*out)->base);
         *out = NULL;

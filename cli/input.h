@@ -46,6 +46,8 @@ void cli_input_close(cli_input *input);
 /** The property engine's context for lengths along an input's grid. */
 vv_property_context cli_input_context(const vv_field_info *info, const vv_registry *registry);
 
+/** The time step in every volume of the World; negative: none was chosen, and all stay as they are. */
+vv_status cli_world_set_frame(vv_world **world, int64_t frame);
 /** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes.
  * recipe_out: what else a picture says of itself, zero for other inputs. */
 vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command, const char *word);

@@ -1,17 +1,12 @@
 /* What an input is: data, a scene, or a picture that VolVis made, by its first bytes and its suffix. */
 #include "input.h"
+#include "value.h"
 #include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n >= n_end && strcmp(text + n - n_end, end) == 0;
-}
 
 /* The first bytes of standard input, which stay there to be read; 0 where the system cannot look ahead. */
 static size_t peek_standard_input(unsigned char *out, size_t n)
@@ -66,7 +61,7 @@ static bool is_picture(const vv_registry *registry, const unsigned char *head, s
         if (sure == 2)
             return true;
         for (size_t s = 0; sure == 1 && !is_volume(registry, head, n, path) && (*row)->suffixes[s]; s++)
-            if (ends_with(path, (*row)->suffixes[s]))
+            if (cli_ends_with(path, (*row)->suffixes[s]))
                 return true;
     }
     return false;
@@ -81,7 +76,7 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
     size_t blank = 0;
     if (reading->raw || reading->input_format || vv_job_cancelled(command->job))
         return CLI_INPUT_DATA;
-    if (ends_with(path, ".vv.json"))
+    if (cli_ends_with(path, ".vv.json"))
         return CLI_INPUT_SCENE;
     const size_t n = cli_input_peek(head, sizeof head, path);
     while (blank < n && strchr(" \t\r\n", head[blank]))

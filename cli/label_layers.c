@@ -1,5 +1,6 @@
 #include "label_layers.h"
 #include "grid/label_id.h"
+#include "value.h"
 #include <string.h>
 #include <strings.h>
 
@@ -17,8 +18,7 @@ static const vv_label *find(const vv_file *file, vv_label_id label, const char *
 /* "layer1", and "5/layer1" of the fifth series. */
 static bool is_layer(const char *part)
 {
-    const char *slash = strrchr(part, '/');
-    return strncmp(slash ? slash + 1 : part, "layer", 5) == 0;
+    return strncmp(cli_base_of(part), "layer", 5) == 0;
 }
 
 static vv_status look(const cli_command *command, const cli_input *input, const char *part, vv_label_id label,

@@ -99,7 +99,7 @@ static bool has_name(const cli_given *given, const vv_class *cls)
 {
     double number;
     const char *at = given->text, *end;
-    if (given->cls != cls || given->row->kind != VV_KIND_NUMBERS || given->row->quantity != VV_Q_LABEL)
+    if (given->cls != cls || given->row->quantity != VV_Q_LABEL)
         return false;
     for (; vvi_scan_number(&number, at, &end); at = end + 1) {
         end += strspn(end, " ");

@@ -1,3 +1,4 @@
+#include "args.h"
 #include "manual.h"
 #include "options.h"
 #include "usage.h"
@@ -27,12 +28,14 @@ static void add_heading(vvi_text *out, const char *name, const char *doc)
     vvi_text_add(out, "\n");
 }
 
+/* title NULL: it goes on under the last one. */
 static void add_class(vvi_text *out, const char *title, const vv_class *cls)
 {
-    vvi_text_printf(out, ".SH %s\n", title);
+    if (title)
+        vvi_text_printf(out, ".SH %s\n", title);
     for (const vv_property *row = cls->properties; row->name; row++) {
         vvi_text left = {0}, right = {0};
-        if (row->hidden)
+        if (!cli_option_is_listed(row))
             continue;
         cli_usage_option(&left, row);
         cli_usage_option_doc(&right, row);
@@ -88,9 +91,13 @@ void cli_manual_verb(vvi_text *out, const cli_verb *verb)
         add(out, verb->about);
         vvi_text_add(out, "\n");
     }
+    const char *last = NULL;
     for (size_t i = 0; (cls = cli_usage_shown(verb, i)); i++) {
-        if (cls->properties->name)
-            add_class(out, title_of(cls), cls);
+        const char *title = title_of(cls);
+        if (!cls->properties->name)
+            continue;
+        add_class(out, title == last ? NULL : title, cls);
+        last = title;
     }
     vvi_text_add(out, ".SH EXAMPLES\n.nf\n");
     for (size_t i = 0; (example = cli_usage_example(verb, i)); i++) {

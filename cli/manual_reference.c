@@ -1,3 +1,4 @@
+#include "args.h"
 #include "manual.h"
 #include "options.h"
 #include "usage.h"
@@ -37,7 +38,7 @@ static void add_class(vvi_text *out, const char *title, const vv_class *cls)
     for (const vv_property *row = cls->properties; row->name; row++) {
         vvi_text left = {0};
         cli_usage_option(&left, row);
-        if (!row->hidden)
+        if (cli_option_is_listed(row))
             add_row(out, left.bad ? "" : left.s, row, true);
         vvi_text_free(&left);
     }

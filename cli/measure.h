@@ -5,6 +5,7 @@
 #define CLI_MEASURE_H
 #include "edits.h"
 #include "input.h"
+#include "measuring/changes.h"
 #include "measuring/measuring.h"
 #include "measuring/world_data.h"
 #include "run/stream.h"
@@ -14,17 +15,16 @@ typedef struct cli_question {
     const vv_measure_kind *kind; /**< NULL: what is stored */
     const char *file[2];         /**< the second file, of distances between surfaces, is NULL mostly */
     const char *edited;          /**< the input that --set edits; NULL: none */
-    vv_measurement *asked;       /**< its properties; NULL until they are known */
+    vv_measurement *asked;       /**< its properties */
+    bool typed;                  /**< labels, channels and cut planes are not among them: they need the files */
 } cli_question;
 
+/** Options beside the properties of vv_measurement, which are the others. */
 typedef struct cli_measure_options {
     vv_object base;
-    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso, *other_label, *input_unit;
-    char *component;             /**< number or name, as typed */
-    vv_collection *clip, *point; /**< of cli_word */
-    int method, space;
-    int64_t bins, samples;
-    bool closed, log, csv, update;
+    vv_collection *cut_planes; /**< of cli_word, as typed */
+    char *store;
+    bool log, csv, update;
 } cli_measure_options;
 extern const vv_class cli_measure_class;
 
@@ -44,6 +44,10 @@ const char *cli_measure_word_nth(size_t index);
 vv_status cli_measure_fail_kind(const char *word);
 /** Whether a word is one of those in a list, between spaces; NULL: there is none. */
 bool cli_measure_has_word(const char *list, const char *word);
+/** What was given for a property of vv_measurement, by its name; NULL: nothing. */
+const char *cli_measure_typed(const cli_command *command, const char *property);
+/** What is typed, as a measurement, yours to release: all that can be told without the files. kind NULL: none. */
+vv_status cli_measure_take(vv_measurement **out, const cli_command *command, const vv_measure_kind *kind);
 
 /* Inputs ---------------------------------------------------------------------------------------------------------- */
 
@@ -61,7 +65,7 @@ typedef struct cli_measured_inputs {
     vv_measured_data mesh[2]; /**< where these are meshes */
     vv_world *world;          /**< of the meshes that it shows */
     vvi_measured_meshes shown;
-    vvi_text planes; /**< of --clip, as JSON */
+    char *planes; /**< of --clip, as JSON; NULL: none */
     vv_measured_inputs all;
 } cli_measured_inputs;
 
@@ -85,14 +89,12 @@ vv_status cli_measure_check(cli_command *command, const cli_question *question);
 vv_status cli_measure_output(cli_command *command, const vv_measure_kind *kind);
 /** --dry-run: what would be read and measured. */
 vv_status cli_measure_plan(cli_command *command, const cli_question *question);
-/** What is typed, as a measurement, yours to release: numbers, and names of labels and channels as the inputs have
- * them. */
-vv_status cli_measure_words(vv_measurement **out, cli_command *command, const cli_question *question,
-                            cli_measured_inputs *inputs);
+/** The rest of what is typed: labels and channels by the names that the inputs have, and --clip. */
+vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured_inputs *inputs);
 
 /* Answers --------------------------------------------------------------------------------------------------------- */
 
-/** One question, answered: question->asked, or what is typed, which *asked_out is then. Both are yours to release, also
+/** One question, answered. *asked_out: what was asked, labels and all, and its figures. Both are yours to release, also
  * when this fails; notes are told. */
 vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_command *command,
                           const cli_question *question);
@@ -110,15 +112,14 @@ vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const ch
 
 /** --store: whether it can be, before anything is measured. */
 vv_status cli_measure_store_check(cli_command *command, const char *input);
-/** --store: the question and its figures, into a scene. */
-vv_status cli_measure_store(cli_command *command, const cli_question *question, const vv_measurement *asked,
-                            const vv_answer *answer);
+/** --store: what was asked, with its figures, into a scene. */
+vv_status cli_measure_store(cli_command *command, const cli_question *question, const vv_measurement *asked);
 /** Whether `file` is a scene that has measurements. */
 bool cli_measure_has_stored(cli_command *command, const char *file);
 /** Those of a scene once more: all, or those of n names. */
 vv_status cli_measure_stored(cli_command *command, const char *file, const char *const *names, size_t n);
-/** Figures that changed, of class vv_measured_figure, as "changes" and "changed". How many there are. */
-size_t cli_changes_json(vvi_result *json, const vv_collection *then, const vv_collection *now);
+/** Figures that changed, as "changes" and "changed". */
+void cli_changes_json(vvi_result *json, const vvi_changes *changes);
 /** All figures, and what became of those of before; csv: as rows of a table. id: the measurement's. */
-void cli_changes_put(vvi_text *out, bool csv, const char *id, const vv_collection *then, const vv_collection *now);
+void cli_changes_put(vvi_text *out, bool csv, const char *id, const vvi_changes *changes);
 #endif

@@ -1,46 +1,13 @@
-/* Figures then and now: which of them changed, for people, in a table and in JSON. */
+/* Figures then and now, and which of them changed: for people, in a table and in JSON. */
 #include "core/units.h"
 #include "measure.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define SAME 1e-9 /* what another processor may make of the last digits */
-
-static const vv_measured_figure *figure_nth(const vv_collection *figures, size_t i)
+static void print_figure(char out[VVI_FIGURE_TEXT], const vv_measured_figure *f, const char *unit)
 {
-    return (const vv_measured_figure *)(const void *)figures->entry[i].object;
-}
-
-static const vv_measured_figure *figure_of(const vv_collection *figures, const char *name)
-{
-    for (size_t i = 0; i < figures->n; i++)
-        if (strcmp(figure_nth(figures, i)->name ? figure_nth(figures, i)->name : "", name) == 0)
-            return figure_nth(figures, i);
-    return NULL;
-}
-
-static double value_of(const vv_measured_figure *f)
-{
-    return f && vv_object_is_set(&f->base, "value") ? f->value : NAN;
-}
-
-static double error_of(const vv_measured_figure *f)
-{
-    return f && vv_object_is_set(&f->base, "error") ? f->error : NAN;
-}
-
-static bool same(const vv_measured_figure *a, const vv_measured_figure *b)
-{
-    const double x = value_of(a), y = value_of(b);
-    if (!a || !b || isnan(x) != isnan(y) || strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") != 0)
-        return false;
-    return isnan(x) || fabs(x - y) <= SAME * fmax(fmax(fabs(x), fabs(y)), fmax(0, error_of(b)));
-}
-
-static void print_figure(char out[VVI_FIGURE_TEXT], const vv_measured_figure *f)
-{
-    vvi_figure_print(out, value_of(f), error_of(f), 0, f->unit ? f->unit : "");
+    vvi_figure_print(out, vvi_measured_value(f), vvi_measured_error(f), 0, unit);
 }
 
 /* Of many figures a few are told; the others only when they change. */
@@ -53,124 +20,83 @@ static bool is_told(const char *name)
     return true;
 }
 
-static void put_row(vvi_text *out, const char *id, const vv_measured_figure *now, const vv_measured_figure *was)
+static void put_row(vvi_text *out, const char *id, const vvi_change *c)
 {
     char number[3][32] = {"", "", ""};
-    const double v[3] = {value_of(now), error_of(now), value_of(was)};
+    const double v[3] = {vvi_measured_value(c->now), vvi_measured_error(c->now), vvi_measured_value(c->was)};
     for (int i = 0; i < 3; i++)
         if (isfinite(v[i]))
             vvi_print_number(number[i], v[i]);
-    vvi_text_printf(out, "%s,%s,%s,%s,%s,%s,%s\n", id, now->name, number[0], number[1], now->unit ? now->unit : "",
-                    number[2],
-                    !was             ? "new"
-                    : same(was, now) ? "no"
-                                     : "yes");
+    vvi_text_printf(out, "%s,%s,%s,%s,%s,%s,%s\n", id, vvi_change_name(c), number[0], number[1],
+                    vvi_measured_unit(c->now ? c->now : c->was), number[2],
+                    !c->now      ? "gone"
+                    : !c->was    ? "new"
+                    : c->changed ? "yes"
+                                 : "no");
 }
 
-/* The figure of the same place along another axis, when both are as they were; NULL: it is not. */
-static const vv_measured_figure *along(const vv_collection *now, const vv_collection *then, const char *base, char axis)
+/* Three numbers of a place, all as they were, as one line where its first one, `name`_x, stands; false: they are told
+ * one by one. */
+static bool put_place(vvi_text *out, const vvi_changes *all, const char *name)
 {
-    char name[208];
-    snprintf(name, sizeof name, "%s_%c", base, axis);
-    const vv_measured_figure *f = figure_of(now, name), *was = figure_of(then, name);
-    return then->n && !same(was, f) ? NULL : f;
-}
-
-/* Three numbers of a place as one line, with `name`_x; false: they are told one by one. */
-static bool put_place(vvi_text *out, const char *name, const vv_collection *now, const vv_collection *then)
-{
-    char text[3][VVI_FIGURE_TEXT], base[192];
+    char text[3][VVI_FIGURE_TEXT];
+    const char *unit = "";
     const size_t n = strlen(name);
-    if (n < 3 || n >= sizeof base || name[n - 2] != '_' || !strchr("xyz", name[n - 1]) || !is_told(name))
+    unsigned found = 0;
+    if (n < 3 || name[n - 2] != '_' || !strchr("xyz", name[n - 1]) || !is_told(name))
         return false;
-    snprintf(base, sizeof base, "%.*s", (int)(n - 2), name);
-    for (int a = 0; a < 3; a++) {
-        const vv_measured_figure *f = along(now, then, base, "xyz"[a]);
-        if (!f)
-            return false;
-        vvi_figure_print(text[a], value_of(f), error_of(f), 0, "");
-    }
-    if (name[n - 1] != 'x')
-        return true;
-    const char *unit = figure_of(now, name)->unit;
-    vvi_text_printf(out, "  %-16s %s, %s, %s %s\n", base, text[0], text[1], text[2], unit ? unit : "");
-    return true;
-}
-
-/* compared: there were figures before. */
-static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_measured_figure *was, bool compared)
-{
-    char text[VVI_FIGURE_TEXT], before[VVI_FIGURE_TEXT] = "";
-    print_figure(text, now);
-    const bool changed = was && !same(was, now), is_new = compared && !was;
-    if (changed)
-        print_figure(before, was);
-    if (changed || is_new || is_told(now->name))
-        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text,
-                        changed  ? "; it was "
-                        : is_new ? "; new"
-                                 : "",
-                        before);
-}
-
-static void put_gone(vvi_text *out, bool csv, const char *id, const vv_measured_figure *was)
-{
-    char text[VVI_FIGURE_TEXT], number[32] = "";
-    print_figure(text, was);
-    if (isfinite(value_of(was)))
-        vvi_print_number(number, value_of(was));
-    if (csv)
-        vvi_text_printf(out, "%s,%s,,,%s,%s,gone\n", id, was->name, was->unit ? was->unit : "", number);
-    else
-        vvi_text_printf(out, "  %-16s gone; it was %s\n", was->name, text);
-}
-
-static void put_change_json(vvi_result *json, const char *name, const vv_measured_figure *was,
-                            const vv_measured_figure *now)
-{
-    vvi_result_open(json, NULL, '{');
-    vvi_result_string(json, "name", name);
-    vvi_result_number(json, "was", value_of(was));
-    vvi_result_number(json, "is", value_of(now));
-    vvi_result_close(json, '}');
-}
-
-size_t cli_changes_json(vvi_result *json, const vv_collection *then, const vv_collection *now)
-{
-    size_t n = 0;
-    vvi_result_open(json, "changes", '[');
-    for (size_t i = 0; i < now->n && then->n; i++) {
-        const vv_measured_figure *f = figure_nth(now, i), *was = figure_of(then, f->name);
-        if (same(was, f))
+    for (size_t i = 0; i < all->n; i++) {
+        const vvi_change *c = &all->change[i];
+        const char *other = vvi_change_name(c), *axis = other + n - 1;
+        if (strlen(other) != n || memcmp(other, name, n - 1) != 0 || !strchr("xyz", *axis) || !c->now || c->changed)
             continue;
-        n++;
-        put_change_json(json, f->name, was, f);
+        print_figure(text[*axis - 'x'], c->now, "");
+        found |= 1U << (*axis - 'x');
+        unit = *axis == 'x' ? vvi_measured_unit(c->now) : unit;
     }
-    for (size_t i = 0; i < then->n; i++)
-        if (!figure_of(now, figure_nth(then, i)->name)) {
-            n++;
-            put_change_json(json, figure_nth(then, i)->name, figure_nth(then, i), NULL);
-        }
+    if (found == 7 && name[n - 1] == 'x')
+        vvi_text_printf(out, "  %-16.*s %s, %s, %s %s\n", (int)(n - 2), name, text[0], text[1], text[2], unit);
+    return found == 7;
+}
+
+static void put_line(vvi_text *out, const vvi_change *c)
+{
+    const char *name = vvi_change_name(c);
+    char now[VVI_FIGURE_TEXT], was[VVI_FIGURE_TEXT] = "";
+    if (c->now)
+        print_figure(now, c->now, vvi_measured_unit(c->now));
+    if (c->was)
+        print_figure(was, c->was, vvi_measured_unit(c->was));
+    if (!c->changed && is_told(name))
+        vvi_text_printf(out, "  %-16s %s\n", name, now);
+    else if (c->changed)
+        vvi_text_printf(out, "  %-16s %s; %s%s\n", name, c->now ? now : "gone", c->was ? "it was " : "new", was);
+}
+
+void cli_changes_json(vvi_result *json, const vvi_changes *all)
+{
+    vvi_result_open(json, "changes", '[');
+    for (size_t i = 0; i < all->n; i++) {
+        const vvi_change *c = &all->change[i];
+        if (!c->changed)
+            continue;
+        vvi_result_open(json, NULL, '{');
+        vvi_result_string(json, "name", vvi_change_name(c));
+        vvi_result_number(json, "was", vvi_measured_value(c->was));
+        vvi_result_number(json, "is", vvi_measured_value(c->now));
+        vvi_result_close(json, '}');
+    }
     vvi_result_close(json, ']');
-    vvi_result_bool(json, "changed", n > 0);
-    return n;
+    vvi_result_bool(json, "changed", all->n_changed > 0);
 }
 
-static void put_now(vvi_text *out, bool csv, const char *id, const vv_collection *now, const vv_collection *then)
+void cli_changes_put(vvi_text *out, bool csv, const char *id, const vvi_changes *all)
 {
-    for (size_t i = 0; i < now->n; i++) {
-        const vv_measured_figure *f = figure_nth(now, i), *was = figure_of(then, f->name);
+    for (size_t i = 0; i < all->n; i++) {
+        const vvi_change *c = &all->change[i];
         if (csv)
-            put_row(out, id, f, was);
-        else if (!put_place(out, f->name, now, then))
-            put_line(out, f, was, then->n > 0);
+            put_row(out, id, c);
+        else if (!c->now || !put_place(out, all, vvi_change_name(c)))
+            put_line(out, c);
     }
-}
-
-void cli_changes_put(vvi_text *out, bool csv, const char *id, const vv_collection *then, const vv_collection *now)
-{
-    put_now(out, csv, id, now, then);
-    for (size_t i = 0; i < then->n; i++)
-        if (!figure_of(now, figure_nth(then, i)->name))
-            put_gone(out, csv, id, figure_nth(then, i));
 }

@@ -2,21 +2,25 @@
  * question than the one that was asked. And what -o makes. */
 #include "measure.h"
 #include "mesh.h"
+#include "model/classes.h"
 #include "output.h"
 #include "pipeline.h"
 #include "refusal.h"
+#include "value.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-static vv_status check_histogram(const cli_command *command, const cli_measure_options *o)
+static vv_status check_histogram(const cli_command *command, const cli_measure_options *o, const vv_object *asked)
 {
-    const char *marked = o->iso ? "iso" : "threshold";
+    const bool iso = vv_object_is_set(asked, "iso");
+    const bool marks = iso || vv_object_is_set(asked, "threshold_lo") || vv_object_is_set(asked, "threshold_hi");
+    const char *marked = iso ? "iso" : "threshold";
     if (!cli_plot_wanted(command) && o->log && (o->csv || command->common->json))
         return cli_refused(
             command, "log",
             vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: omit it"));
-    if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
+    if (!cli_plot_wanted(command) && !vv_object_is_set(asked, "seed") && marks)
         return cli_refused(
             command, marked,
             vv_fail(VV_E_ARGUMENT,
@@ -45,16 +49,6 @@ static const char *name_of(unsigned input, unsigned other)
     return input == VV_MEASURED_SHOWN ? "a scene of meshes" : input == VV_MEASURED_MESH ? "a mesh" : "a volume";
 }
 
-/* The property of a measurement that an option is for. */
-static const char *property_of(const vv_property *option)
-{
-    static const char *const other[][2] = {{"threshold", "threshold_lo"}, {"clip", "cut_planes"}, {"point", "points"}};
-    for (size_t i = 0; i < sizeof other / sizeof *other; i++)
-        if (strcmp(option->name, other[i][0]) == 0)
-            return other[i][1];
-    return option->name;
-}
-
 /* Options that are no properties, and say what becomes of the result. kind NULL: what is stored. */
 static bool is_about_result(const char *option, const vv_measure_kind *kind)
 {
@@ -63,18 +57,19 @@ static bool is_about_result(const char *option, const vv_measure_kind *kind)
 }
 
 /* uses: properties of the question. name: what the file is. */
-static vv_status check_options(const cli_command *command, const cli_measure_options *o, const cli_question *q,
-                               const char *uses, const char *name)
+static vv_status check_options(const cli_command *command, const cli_question *q, const char *uses, const char *name)
 {
-    for (const vv_property *p = cli_measure_class.properties; p->name; p++) {
+    for (size_t i = 0; i < command->args.n_given; i++) {
+        const cli_given *given = &command->args.given[i];
+        const char *property = given->row->name;
         char option[64];
-        cli_option_name(option, p);
         /* places on a mesh are in the world anyway */
-        const bool is_so =
-            strcmp(p->name, "space") == 0 && o->space == VV_MEASURE_IN_WORLD && cli_measure_has_word(uses, "points");
-        if (is_so || is_about_result(p->name, q->kind) || !vv_object_is_set(&o->base, p->name) ||
-            cli_measure_has_word(uses, property_of(p)))
+        const bool is_so = strcmp(property, "space") == 0 && q->asked->space == VV_MEASURE_IN_WORLD &&
+                           cli_measure_has_word(uses, "points");
+        if ((given->cls != &vvi_measurement_class && given->cls != &cli_measure_class) || is_so ||
+            is_about_result(property, q->kind) || cli_measure_has_word(uses, property))
             continue;
+        cli_option_name(option, given->row);
         return cli_refused(command, option,
                            vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; omit it", option,
                                    q->kind ? q->kind->name : CLI_MEASURE_STORED, q->file[0], name));
@@ -93,27 +88,22 @@ vv_status cli_measure_check(cli_command *command, const cli_question *q)
                        q->file[0]);
     const unsigned input = is_what(command, q, 0), other = is_what(command, q, 1);
     if (!q->kind)
-        return check_options(command, o, q, "", name_of(input, 0));
-    const vv_measure_form *form = vv_measure_form_of(q->kind, input, other, o->point ? o->point->n : 0);
+        return check_options(command, q, "", name_of(input, 0));
+    const vv_numbers *points = q->asked->points;
+    const vv_measure_form *form = vv_measure_form_of(q->kind, input, other, points ? points->n / 3 : 0);
     if (!form)
         return input == VV_MEASURED_SHOWN ? vvi_measure_refuse(q->kind, input, q->file[0]) : VV_OK;
-    const vv_status st = check_options(command, o, q, form->uses, name_of(input, other));
-    return st == VV_OK && q->kind->marks ? check_histogram(command, o) : st;
+    const vv_status st = check_options(command, q, form->uses, name_of(input, other));
+    return st == VV_OK && q->kind->marks ? check_histogram(command, o, &q->asked->base) : st;
 }
 
 /* Output ---------------------------------------------------------------------------------------------------------- */
 
-static const char *suffix_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-    return dot ? dot : "";
-}
-
 /* Nothing that is read is replaced, by a plot or by figures. */
-static vv_status check_file(cli_command *command, const cli_measure_options *o)
+static vv_status check_file(cli_command *command)
 {
     const char *output = command->common->output;
-    const char *const read[] = {o->mask, o->values};
+    const char *const read[] = {cli_measure_typed(command, "mask"), cli_measure_typed(command, "values")};
     vv_status st =
         cli_plot_wanted(command) ? cli_plot_check(command) : cli_output_check(command, output, CLI_OUTPUT_TEXT, NULL);
     for (size_t i = 0; i < sizeof read / sizeof *read && st == VV_OK; i++)
@@ -123,26 +113,26 @@ static vv_status check_file(cli_command *command, const cli_measure_options *o)
 
 vv_status cli_measure_output(cli_command *command, const vv_measure_kind *kind)
 {
-    cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
+    cli_measure_options *o = (cli_measure_options *)(uintptr_t)cli_command_options(command, &cli_measure_class);
     const char *output = command->common->output;
     const bool plots = !kind || kind->plot;
     vv_status st;
     if (!output || strcmp(output, "-") == 0)
         return VV_OK;
-    const char *suffix = suffix_of(output);
+    const char *suffix = cli_suffix_of(output);
     const bool json = strcasecmp(suffix, ".json") == 0, csv = strcasecmp(suffix, ".csv") == 0;
     if ((json && o->csv) || (csv && command->common->json))
         return vv_fail(VV_E_ARGUMENT, "-o %s: --%s is not what its suffix says", output, json ? "csv" : "json");
     command->common->json = command->common->json || json;
     o->csv = o->csv || csv;
     if (cli_plot_wanted(command))
-        return plots ? check_file(command, o)
+        return plots ? check_file(command)
                      : vv_fail(VV_E_ARGUMENT,
                                "-o %s: histograms and profiles have plots, %s has none; .json, .csv "
                                "and .txt are there",
                                output, kind->name);
     if (json || csv || strcasecmp(suffix, ".txt") == 0 || (!*suffix && (o->csv || command->common->json)))
-        return (st = cli_output_check_text(command, output)) != VV_OK ? st : check_file(command, o);
+        return (st = cli_output_check_text(command, output)) != VV_OK ? st : check_file(command);
     return vv_fail(VV_E_ARGUMENT, "-o %s: the result is written as .json, .csv or .txt%s", output,
                    plots ? ", its plot as .svg, .png or another image" : "");
 }

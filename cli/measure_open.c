@@ -97,29 +97,23 @@ static vv_status open_scene(vv_field **out, cli_measured *in, vv_model *model, v
     return st;
 }
 
-/* --clip as planes of a World in whose unit lengths are; what they are, for scenes. */
-static vv_status take_clip(vvi_text *out, cli_command *command, vv_model *model)
+/* --clip as planes of a World in whose unit lengths are, and which has no others any longer. */
+static vv_status take_clip(char **out, cli_command *command, vv_model *model)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const cli_look look = {.clip = o->clip};
+    const cli_look look = {.clip = o->cut_planes};
     cli_edits edits = {.command = command, .model = model, .look = &look};
-    vv_world *world = vv_model_snapshot(model);
-    const size_t n_before = world->cut_planes->n;
-    vv_object_release(&world->base);
-    const vv_status st = cli_edit_clip(&edits);
-    world = vv_model_snapshot(model);
-    for (size_t i = n_before; i < world->cut_planes->n; i++) {
-        char *json = NULL;
-        if (vv_object_to_json(&json, world->cut_planes->entry[i].object, 0) == VV_OK)
-            vvi_text_printf(out, "%s%s", out->n ? ", " : "", json);
-        free(json);
+    vv_status st = vv_model_set(model, NULL, "cut_planes", "[]");
+    if (st == VV_OK && (st = cli_edit_clip(&edits)) == VV_OK) {
+        vv_world *world = vv_model_snapshot(model);
+        st = vv_path_get(out, &world->base, "cut_planes");
+        vv_object_release(&world->base);
     }
-    vv_object_release(&world->base);
     return st;
 }
 
 static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *model, const vvi_recipe *recipe,
-                             const vv_field *field, const char *word, vvi_text *planes)
+                             const vv_field *field, const char *word, char **planes)
 {
     vv_world *world = vv_model_snapshot(model);
     vv_status st =
@@ -139,7 +133,7 @@ static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *
 
 /* planes: takes --clip; NULL: there is none. */
 static vv_status open_volume(cli_measured *out, cli_command *command, const char *edited, const char *word,
-                             vvi_text *planes)
+                             char **planes)
 {
     const bool edit = is_edited(command, edited, word);
     vv_model *model = NULL;
@@ -162,8 +156,7 @@ static vv_status open_volume(cli_measured *out, cli_command *command, const char
 static vv_status open_mesh(vv_measured_data *data, cli_measured *out, cli_command *command, const cli_question *q,
                            const char *word)
 {
-    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const vv_status st = cli_mesh_read(&out->mesh, command, word, q->asked ? q->asked->input_unit : o->input_unit);
+    const vv_status st = cli_mesh_read(&out->mesh, command, word, q->asked->input_unit);
     *data = (vv_measured_data){.name = word, .mesh = out->mesh, .place = vv_affine_identity()};
     return st;
 }
@@ -177,7 +170,7 @@ static vv_status open_one(const vv_measured_data **data, cli_measured_inputs *al
     *data = mesh ? &all->mesh[i] : &out->volume.data;
     if (mesh)
         return open_mesh(&all->mesh[i], out, command, q, word);
-    return open_volume(out, command, q->edited, word, q->asked || all->planes.n ? NULL : &all->planes);
+    return open_volume(out, command, q->edited, word, q->typed && !all->planes ? &all->planes : NULL);
 }
 
 vv_status cli_measured_open(cli_measured_inputs *out, cli_command *command, const cli_question *q)
@@ -226,5 +219,5 @@ void cli_measured_close(cli_measured_inputs *in)
     close_one(&in->values);
     vvi_measured_meshes_finish(&in->shown);
     vv_object_release(in->world ? &in->world->base : NULL);
-    vvi_text_free(&in->planes);
+    free(in->planes);
 }

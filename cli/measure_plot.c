@@ -3,37 +3,18 @@
 #include "output.h"
 #include "report.h"
 #include <stdio.h>
-#include <string.h>
-#include <strings.h>
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
-}
-
-static bool is_svg(const char *path)
-{
-    return ends_with(path, ".svg");
-}
 
 bool cli_plot_wanted(const cli_command *command)
 {
     const char *output = command->common->output;
-    if (!output)
-        return false;
-    for (size_t i = 0; command->registry->image_formats[i]; i++)
-        for (size_t s = 0; command->registry->image_formats[i]->suffixes[s]; s++)
-            if (ends_with(output, command->registry->image_formats[i]->suffixes[s]))
-                return true;
-    return is_svg(output);
+    return output && (cli_output_is_figure(output) || cli_output_picture(command->registry, output));
 }
 
 vv_status cli_plot_check(cli_command *command)
 {
     const char *output = command->common->output;
     command->verb.makes_file = true;
-    return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
+    return cli_output_check(command, output, cli_output_is_figure(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
 }
 
 static vv_status write_svg(cli_command *command, const vvi_plot *plot)
@@ -84,7 +65,7 @@ vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const ch
     shown.title = clean(title, sizeof title, shown.title);
     shown.subtitle = clean(subtitle, sizeof subtitle, shown.subtitle);
     shown.log_y = logarithmic && shown.steps;
-    const vv_status st = is_svg(output) ? write_svg(command, &shown) : write_image(command, &shown);
+    const vv_status st = cli_output_is_figure(output) ? write_svg(command, &shown) : write_image(command, &shown);
     if (st != VV_OK)
         return st;
     vvi_result_string(&command->json, "output", output);

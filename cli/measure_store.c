@@ -64,21 +64,14 @@ static void choose_name(char out[64], const vv_world *world, const target *t, co
         snprintf(out, 64, "%s_%d", kind, i);
 }
 
-static vv_status put(vv_world **world, const char *name, const char *json, cli_command *command)
+static vv_status put(vv_world **world, const char *name, vv_object *measurement)
 {
-    vv_model *model = NULL;
+    vv_object *root = &(*world)->base;
     char *path = vvi_asprintf("measurements.%s", name);
-    vv_status st = path ? vv_model_new(&model, command->runtime) : vv_fail_memory(strlen(name));
-    if (st == VV_OK && (st = vv_model_replace(model, NULL, *world)) == VV_OK &&
-        (st = vv_model_set(model, NULL, path, json)) != VV_OK)
-        st = vv_fail_in(st, "--store");
-    if (st == VV_OK) {
-        vv_object_release(&(*world)->base);
-        *world = vv_model_snapshot(model);
-    }
-    vv_model_release(model);
+    vv_status st = path ? vv_path_put(&root, path, measurement, NULL) : vv_fail_memory(strlen(name));
+    *world = (vv_world *)(void *)root;
     free(path);
-    return st;
+    return st == VV_OK ? st : vv_fail_in(st, "--store");
 }
 
 /* Files beside a scene's own are named by their path alone. */
@@ -132,29 +125,13 @@ static vv_status set_path(vv_object **asked, const char *name, const char *path)
     return st;
 }
 
-/* The measurement as JSON, with the files that it is of and its figures. file: NULL where it is the scene's own. */
-static vv_status describe(char **out, const vv_measurement *asked, const vv_answer *answer, const char *file,
-                          const char *other)
-{
-    vv_object *whole = vv_object_retain(&asked->base);
-    char *figures = NULL;
-    vv_status st = vv_answer_figures(&figures, answer);
-    if (st == VV_OK && (st = set_path(&whole, "file", file)) == VV_OK &&
-        (st = set_path(&whole, "other", other)) == VV_OK &&
-        (st = vv_path_set(&whole, "figures", figures, NULL)) == VV_OK)
-        st = vv_object_to_json(out, whole, 0);
-    free(figures);
-    vv_object_release(whole);
-    return st;
-}
-
-static vv_status keep(cli_command *command, const cli_question *q, const target *t, const vv_measurement *asked,
-                      const vv_answer *answer)
+static vv_status keep(cli_command *command, const cli_question *q, const target *t, const vv_measurement *asked)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const char *scene = t->scene ? t->scene : q->file[0];
     vv_world *world = NULL;
-    char name[64] = "", *json = NULL;
+    vv_object *whole = vv_object_retain(&asked->base); /* with the files that it is of */
+    char name[64] = "";
     bool is_input = false;
     vv_status st = open_world(&world, &is_input, command, scene, q->file[0]);
     const char *file = is_input ? NULL : q->file[0];
@@ -163,16 +140,17 @@ static vv_status keep(cli_command *command, const cli_question *q, const target 
     if (st == VV_OK) {
         choose_name(name, world, t, q->kind->name);
         note_replaced(command, world, name, q, file);
-        st = describe(&json, asked, answer, file, q->file[1]);
     }
-    if (st == VV_OK && (st = put(&world, name, json, command)) == VV_OK &&
+    if (st == VV_OK && (st = set_path(&whole, "file", file)) == VV_OK)
+        st = set_path(&whole, "other", q->file[1]);
+    if (st == VV_OK && (st = put(&world, name, whole)) == VV_OK &&
         (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
         vvi_result_string(&command->json, "stored_in", scene);
         vvi_result_string(&command->json, "stored_as", name);
         if (!o->csv)
             cli_command_line(command, "stored", "%s: measurements.%s", scene, name);
     }
-    free(json);
+    vv_object_release(whole);
     vv_object_release(world ? &world->base : NULL);
     return st;
 }
@@ -199,14 +177,13 @@ vv_status cli_measure_store_check(cli_command *command, const char *input)
     return st;
 }
 
-vv_status cli_measure_store(cli_command *command, const cli_question *q, const vv_measurement *asked,
-                            const vv_answer *answer)
+vv_status cli_measure_store(cli_command *command, const cli_question *q, const vv_measurement *asked)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     target t = {0};
     vv_status st = find_target(&t, o->store);
     if (st == VV_OK)
-        st = keep(command, q, &t, asked, answer);
+        st = keep(command, q, &t, asked);
     free(t.scene);
     return st;
 }

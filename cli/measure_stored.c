@@ -48,63 +48,61 @@ static void put_subject(vvi_text *out, const vv_answer *answer, const vv_measure
     put_name(out, "values", m->values);
 }
 
-static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
-                const vv_answer *answer)
+static vv_status put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
+                     const vv_answer *answer)
 {
-    const size_t n = cli_changes_json(&a->command->json, then->figures, now->figures);
-    a->n_changed += n > 0;
-    a->n_new += then->figures->n == 0;
+    vvi_changes changes;
+    const vv_status st = vvi_changes_find(&changes, then->figures, now->figures);
+    if (st != VV_OK)
+        return st;
+    cli_changes_json(&a->command->json, &changes);
+    a->n_changed += changes.n_changed > 0;
+    a->n_new += !changes.compared;
     if (!a->csv) {
         vvi_text_printf(&a->text, "%s: %s%s", id, kind_of(then), then->file ? " of " : "");
         vvi_text_add_clean(&a->text, then->file ? then->file : "");
-        vvi_text_add(&a->text, then->figures->n == 0 ? ", for the first time\n" : n ? ", CHANGED\n" : ", as before\n");
+        vvi_text_add(&a->text, !changes.compared       ? ", for the first time\n"
+                               : changes.n_changed > 0 ? ", CHANGED\n"
+                                                       : ", as before\n");
         put_subject(&a->text, answer, then);
     }
-    cli_changes_put(&a->text, a->csv, id, then->figures, now->figures);
+    cli_changes_put(&a->text, a->csv, id, &changes);
+    vvi_changes_free(&changes);
+    return VV_OK;
 }
 
-/* The answer, and its figures as those that a scene has. What it says as text is left aside. */
-static vv_status ask(vv_answer **answer, vv_object **now, again *a, const vv_measurement *m)
+/* The answer, and the measurement with its figures. What it says as text is left aside. */
+static vv_status ask(vv_answer **answer, vv_measurement **now, again *a, const vv_measurement *m)
 {
     cli_command *command = a->command;
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const vvi_text text = command->text;
-    const cli_question question = {vv_measure_kind_of(m),
-                                   {m->file ? m->file : a->scene, m->other},
-                                   a->scene,
-                                   (vv_measurement *)(void *)vv_object_retain(&m->base)};
-    vv_measurement *asked = NULL;
-    char *figures = NULL;
+    const cli_question question = {.kind = vv_measure_kind_of(m),
+                                   .file = {m->file ? m->file : a->scene, m->other},
+                                   .edited = a->scene,
+                                   .asked = (vv_measurement *)(void *)vv_object_retain(&m->base)};
     command->text = (vvi_text){0};
-    vv_status st = cli_measure_ask(answer, &asked, command, &question);
+    vv_status st = cli_measure_ask(answer, now, command, &question);
     if (st == VV_OK) {
         vvi_answer_add_json(&command->json, *answer);
         st = cli_plot_write(command, *answer, question.file[0], o->log);
     }
-    if (st == VV_OK && (st = vv_answer_figures(&figures, *answer)) == VV_OK &&
-        (st = vv_object_new(now, &vvi_measurement_class, NULL)) == VV_OK)
-        st = vv_path_set(now, "figures", figures, NULL);
     vvi_text_free(&command->text);
     command->text = text;
-    free(figures);
-    vv_object_release(asked ? &asked->base : NULL);
     vv_object_release(&question.asked->base);
     return st;
 }
 
-static vv_status keep(again *a, const char *id, const vv_object *now)
+static vv_status keep(again *a, const char *id, vv_measurement *now)
 {
     const cli_measure_options *o = cli_command_options(a->command, &cli_measure_class);
     if (!o->update)
         return VV_OK;
     vv_object *root = &a->world->base;
-    char *path = vvi_asprintf("measurements.%s.figures", id), *figures = NULL;
-    vv_status st = path ? vv_path_get(&figures, now, "figures") : vv_fail_memory(strlen(id));
-    if (st == VV_OK)
-        st = vv_path_set(&root, path, figures, NULL);
+    char *path = vvi_asprintf("measurements.%s", id);
+    const vv_status st = path ? vv_path_put(&root, path, &now->base, NULL) : vv_fail_memory(strlen(id));
     a->world = (vv_world *)(void *)root;
     free(path);
-    free(figures);
     return st;
 }
 
@@ -164,15 +162,15 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
 {
     vvi_result *json = &a->command->json;
     vv_answer *answer = NULL;
-    vv_object *now = NULL;
+    vv_measurement *now = NULL;
     vvi_result_open(json, NULL, '{');
     vvi_result_string(json, "name", id);
     vvi_result_string(json, "measured", kind_of(m));
     const vvi_result before = *json;
     vv_status st = ask(&answer, &now, a, m);
     if (st == VV_OK) {
-        put(a, id, m, (const vv_measurement *)(const void *)now, answer);
-        st = keep(a, id, now);
+        if ((st = put(a, id, m, now, answer)) == VV_OK)
+            st = keep(a, id, now);
     } else {
         st = stays_alone(st) ? fail_moved(m, id, st) : vv_fail_in(st, "measurements.%s", id);
     }
@@ -181,7 +179,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
         st = VV_OK;
     }
     vvi_result_close(json, '}');
-    vv_object_release(now);
+    vv_object_release(now ? &now->base : NULL);
     vv_answer_release(answer);
     return st;
 }

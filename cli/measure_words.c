@@ -1,18 +1,38 @@
 /* From words to a question: the words for kinds, and what is typed as options. */
 #include "channel_names.h"
 #include "core/names.h"
-#include "core/units.h"
 #include "grid/label_id.h"
 #include "label_layers.h"
 #include "label_names.h"
 #include "measure.h"
 #include "model/classes.h"
-#include "value.h"
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+static const vv_property rows[] = {
+    {VV_PROP(cli_measure_options, cut_planes), .option = "clip", .kind = VV_KIND_LIST, .cls = &cli_word_class,
+     .unit = "CLIP",
+     .doc = "only the part that x:10mm..60mm or 'plane(n=1,0,1 d=20mm)' keeps, as in 'volvis help render'; may be "
+            "repeated; cut planes of a scene apply too"},
+    {VV_PROP(cli_measure_options, log), .kind = VV_KIND_BOOL,
+     .doc = "for a histogram's bars and plot: counts on a logarithmic scale"},
+    {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE.vv.json:]NAME",
+     .automatic = "not kept",
+     .doc = "store the measurement and its results in a scene, under this name: in the scene that is measured, or in "
+            "SCENE.vv.json, which is created if it does not exist"},
+    {VV_PROP(cli_measure_options, update), .kind = VV_KIND_BOOL,
+     .doc = "for stored measurements: store the new results"},
+    {VV_PROP(cli_measure_options, csv), .kind = VV_KIND_BOOL, .doc = "the result as a table of comma-separated values"},
+    {0},
+};
+
+const vv_class cli_measure_class = {
+    .name = "measure",
+    .doc = "options of measure beside the properties of a measurement",
+    .size = sizeof(cli_measure_options),
+    .properties = rows,
+};
 
 /* Kinds ----------------------------------------------------------------------------------------------------------- */
 
@@ -81,6 +101,38 @@ vv_status cli_measure_fail_kind(const char *word)
                          "measure: no '%s' can be measured", word);
 }
 
+/* Options --------------------------------------------------------------------------------------------------------- */
+
+const char *cli_measure_typed(const cli_command *command, const char *property)
+{
+    const char *typed = NULL;
+    for (size_t i = 0; i < command->args.n_given; i++) {
+        const cli_given *given = &command->args.given[i];
+        if (given->cls == &vvi_measurement_class && strcmp(given->row->name, property) == 0)
+            typed = given->text;
+    }
+    return typed;
+}
+
+vv_status cli_measure_take(vv_measurement **out, const cli_command *command, const vv_measure_kind *kind)
+{
+    vv_object *asked = NULL;
+    cli_args own = command->args;
+    own.n_given = 0;
+    own.given = calloc(command->args.n_given + 1, sizeof *own.given);
+    if (!own.given)
+        return vv_fail_memory(command->args.n_given * sizeof *own.given);
+    for (size_t i = 0; i < command->args.n_given; i++)
+        if (!cli_option_is_named(command->args.given[i].row))
+            own.given[own.n_given++] = command->args.given[i];
+    vv_status st = cli_args_object(&asked, &own, &vvi_measurement_class, NULL);
+    free(own.given);
+    if (st == VV_OK && kind)
+        st = vv_path_set(&asked, "what", kind->name, NULL);
+    *out = (vv_measurement *)(void *)asked;
+    return st;
+}
+
 /* Names of labels and channels ------------------------------------------------------------------------------------ */
 
 /* A name, or a number; one that is of another layer of the file than the one that is read is told. */
@@ -103,180 +155,59 @@ static vv_status find_label(vv_label_id *out, const cli_command *command, const 
                    strpbrk(typed, "eE.") && strchr("+-.0123456789", *typed) ? ", with all of its digits" : "", typed);
 }
 
-static void add_key(vvi_text *out, const char *name)
-{
-    vvi_text_printf(out, ", \"%s\": ", name);
-}
-
-static void add_label(vvi_text *out, const char *name, vv_label_id id)
-{
-    char digits[VVI_LABEL_DIGITS];
-    add_key(out, name);
-    vvi_text_printf(out, "\"%s\"", vvi_label_print(digits, id, false));
-}
-
 /* --label is of both of two surfaces, in each as its file calls labels. */
-static vv_status add_labels(vvi_text *out, cli_command *command, const cli_measure_options *o, cli_measured_inputs *in)
+static vv_status take_labels(vv_object **asked, cli_command *command, cli_measured_inputs *in)
 {
     cli_measured *both[] = {&in->first, &in->second};
+    const char *label = cli_measure_typed(command, "label"), *other = cli_measure_typed(command, "other_label");
     vv_label_id found[2] = {0};
     bool some = false;
-    for (int i = 0; i < 2; i++) {
-        const bool other = i == 1 && o->other_label;
-        const char *typed = other ? o->other_label : o->label;
+    vv_status st = VV_OK;
+    for (int i = 0; i < 2 && st == VV_OK; i++) {
+        const bool is_other = i == 1 && other;
+        const char *typed = is_other ? other : label;
         if (!both[i]->volume.field || !typed)
             continue;
-        const vv_status st = find_label(&found[i], command, both[i], other ? "other-label" : "label", typed);
-        if (st != VV_OK)
+        if ((st = find_label(&found[i], command, both[i], is_other ? "other-label" : "label", typed)) != VV_OK)
             return st;
         both[i]->volume.data.called = typed;
-        if (other || (some && found[1] != found[0] && !o->other_iso))
-            add_label(out, "other_label", found[i]);
+        if (is_other || (some && found[1] != found[0] && !vv_object_is_set(*asked, "other_iso")))
+            st = vv_path_set_integer(asked, "other_label", found[i], NULL);
         else if (!some)
-            add_label(out, "label", found[i]);
-        some = some || !other;
+            st = vv_path_set_integer(asked, "label", found[i], NULL);
+        some = some || !is_other;
     }
-    return VV_OK;
+    return st;
 }
 
 /* With --values the channel is one of theirs: what they are called is not known here. */
-static vv_status add_channel(vvi_text *out, const cli_measure_options *o, const cli_measured_inputs *in)
+static vv_status take_channel(vv_object **asked, const cli_command *command, const cli_measured_inputs *in)
 {
     const cli_input *input = in->first.volume.field ? &in->first.input : &in->second.input;
-    const char *typed = o->component;
+    const char *typed = cli_measure_typed(command, "component");
+    const bool of_values = cli_measure_typed(command, "values") != NULL;
     vvi_text number = {0};
     if (!typed)
         return VV_OK;
     const size_t digits = strspn(typed, "0123456789");
-    if (strchr(typed, ',') || (o->values && (typed[digits] || digits > 8)))
+    if (strchr(typed, ',') || (of_values && (typed[digits] || digits > 8)))
         return vv_fail(VV_E_ARGUMENT, "--channel: expected one channel%s, found '%.60s'",
-                       o->values ? " of --values, by its number" : "", typed);
-    const vv_status st = o->values ? VV_OK : cli_channel_numbers(&number, input, typed);
-    add_key(out, "component");
-    vvi_text_printf(out, "%ld", strtol(number.s ? number.s : typed, NULL, 10));
+                       of_values ? " of --values, by its number" : "", typed);
+    vv_status st = of_values ? VV_OK : cli_channel_numbers(&number, input, typed);
+    if (st == VV_OK)
+        st = vv_path_set_integer(asked, "component", strtol(number.s ? number.s : typed, NULL, 10), NULL);
     vvi_text_free(&number);
     return st;
 }
 
-/* Numbers --------------------------------------------------------------------------------------------------------- */
-
-static vv_status add_number(vvi_text *out, const char *name, const char *option, const char *typed)
+vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured_inputs *in)
 {
-    char number[32];
-    double v;
-    if (!typed)
-        return VV_OK;
-    if (!vvi_parse_number(&v, typed))
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected a number, found '%s'", option, typed);
-    vvi_print_number(number, v);
-    add_key(out, name);
-    vvi_text_add(out, number);
-    return VV_OK;
-}
-
-static void add_numbers(vvi_text *out, const double *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        vvi_text_printf(out, "%s%.17g", i ? ", " : "[", v[i]);
-    vvi_text_add(out, "]");
-}
-
-static vv_status add_point(vvi_text *out, const char *option, const char *typed)
-{
-    double p[3];
-    if (cli_value_numbers(p, 3, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected X,Y,Z, as in 80,90,60, found '%s'", option, typed);
-    add_numbers(out, p, 3);
-    return VV_OK;
-}
-
-static vv_status add_places(vvi_text *out, const cli_measure_options *o)
-{
-    vv_status st = VV_OK;
-    if (o->seed) {
-        add_key(out, "seed");
-        st = add_point(out, "seed", o->seed);
-    }
-    if (!o->point || !o->point->n)
-        return st;
-    add_key(out, "points");
-    for (size_t i = 0; i < o->point->n && st == VV_OK; i++) {
-        vvi_text_add(out, i ? ", " : "[");
-        st = add_point(out, "point", cli_word_nth(o->point, i));
-    }
-    vvi_text_add(out, "]");
-    return st;
-}
-
-/* LO..HI; what is left out is unlimited. */
-static vv_status add_threshold(vvi_text *out, const char *typed)
-{
-    char end[2][64];
-    double v[2] = {-INFINITY, INFINITY};
-    static const char *const names[] = {"threshold_lo", "threshold_hi"};
-    if (!typed)
-        return VV_OK;
-    if (!cli_value_split_range(end[0], end[1], typed) || (*end[0] && !vvi_parse_number(&v[0], end[0])) ||
-        (*end[1] && !vvi_parse_number(&v[1], end[1])))
-        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO..HI, as in 90..300, 90.. or 90, found '%s'", typed);
-    if (!(v[0] <= v[1]))
-        return vv_fail(VV_E_ARGUMENT, "--threshold: LO is above HI in '%s'; exchange them", typed);
-    for (int i = 0; i < 2; i++)
-        add_number(out, names[i], "threshold", *end[i] ? end[i] : NULL);
-    return VV_OK;
-}
-
-static vv_status add_range(vvi_text *out, const char *typed)
-{
-    double range[2];
-    if (!typed)
-        return VV_OK;
-    if (cli_value_numbers(range, 2, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", typed);
-    add_key(out, "range");
-    vvi_text_add(out, "[");
-    add_numbers(out, range, 2);
-    vvi_text_add(out, "]");
-    return VV_OK;
-}
-
-/* Properties that both have, with the same name and of the same kind. */
-static void add_same(vvi_text *out, const vv_object *options)
-{
-    for (const vv_property *p = options->cls->properties; p->name; p++) {
-        const vv_property *same = vv_class_find(&vvi_measurement_class, p->name);
-        char *json = NULL;
-        if (!same || same->kind != p->kind || !vv_object_is_set(options, p->name) ||
-            vv_path_get(&json, options, p->name) != VV_OK)
-            continue;
-        add_key(out, p->name);
-        vvi_text_add(out, json);
-        free(json);
-    }
-}
-
-vv_status cli_measure_words(vv_measurement **out, cli_command *command, const cli_question *q, cli_measured_inputs *in)
-{
-    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    vv_object *asked = NULL;
-    vvi_text json = {0};
-    vv_status st;
-    vvi_text_add(&json, "{\"what\": ");
-    vvi_text_json(&json, q->kind->name);
-    if ((st = add_channel(&json, o, in)) == VV_OK && (st = add_number(&json, "iso", "iso", o->iso)) == VV_OK &&
-        (st = add_threshold(&json, o->threshold)) == VV_OK && (st = add_labels(&json, command, o, in)) == VV_OK &&
-        (st = add_number(&json, "other_iso", "other-iso", o->other_iso)) == VV_OK &&
-        (st = add_places(&json, o)) == VV_OK)
-        st = add_range(&json, o->range);
-    add_same(&json, &o->base);
-    if (in->planes.n)
-        vvi_text_printf(&json, ", \"cut_planes\": [%s]", in->planes.s);
-    vvi_text_add(&json, "}");
-    if (st == VV_OK && (json.bad || in->planes.bad))
-        st = vv_fail_memory(json.n);
+    vv_object *object = &(*asked)->base;
+    vv_status st = take_channel(&object, command, in);
     if (st == VV_OK)
-        st = vv_object_from_json(&asked, &vvi_measurement_class, json.s, json.n, NULL);
-    vvi_text_free(&json);
-    *out = (vv_measurement *)(void *)asked;
+        st = take_labels(&object, command, in);
+    if (st == VV_OK && in->planes)
+        st = vv_path_set(&object, "cut_planes", in->planes, NULL);
+    *asked = (vv_measurement *)(void *)object;
     return st;
 }

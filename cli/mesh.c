@@ -372,8 +372,7 @@ static vv_status check_mesh_output(const cli_command *command, const char *path,
     if (st != VV_OK)
         return st;
     if (!cli_mesh_is_output(command, output, writing->output_format) &&
-        (writing->output_format ? vvi_format_named(&volume, writing->output_format, command->registry)
-                                : vvi_format_of_output(&volume, output, command->registry)) == VV_OK)
+        cli_output_format(&volume, command, output, writing->output_format) == VV_OK)
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
                           "is a mesh, and %s is a format of volumes: meshes cannot be made volumes of yet; name a mesh "
                           "file, such as .ply",

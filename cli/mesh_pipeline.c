@@ -10,6 +10,7 @@
 #include "output.h"
 #include "pipeline.h"
 #include "refusal.h"
+#include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -167,12 +168,6 @@ static vv_status plan(pipeline *p)
     return vv_run_new(&p->run, p->run_inputs, p->n, &step, 1, &output, p->operation->name, p->command->job);
 }
 
-static int shorter(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* So many times again; *run_s becomes the median of those. */
 static vv_status repeat(pipeline *p, double *run_s, size_t n)
 {
@@ -186,8 +181,7 @@ static vv_status repeat(pipeline *p, double *run_s, size_t n)
         if ((st = plan(p)) == VV_OK && (st = vv_run_make(p->run)) == VV_OK)
             seconds[i] = vv_run_get_about(p->run)->run_s;
     }
-    qsort(seconds, n, sizeof *seconds, shorter);
-    *run_s = seconds[n / 2];
+    *run_s = cli_value_median(seconds, n);
     free(seconds);
     return st;
 }

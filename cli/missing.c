@@ -58,29 +58,19 @@ static bool is_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
 
 static vv_status set(vv_world **world, const cli_missing *missing, vv_job *job, size_t *n_set)
 {
-    vvi_text json = {0};
     vv_object *root = &(*world)->base;
     const size_t n = (*world)->volumes->n;
     vv_status st = VV_OK;
-    for (size_t i = 0; i < missing->n; i++) {
-        char number[32];
-        vvi_print_number(number, missing->value[i]);
-        vvi_text_printf(&json, "%s%s", i ? "," : "[", number);
-    }
-    vvi_text_add(&json, missing->n ? "]" : "[]");
-    if (json.bad)
-        st = vv_fail_memory(json.n);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
         char path[160];
         const vv_world *now = (const vv_world *)(const void *)root;
         if (is_mesh(now, (const vv_volume *)(const void *)now->volumes->entry[i].object, job))
             continue;
         snprintf(path, sizeof path, "volumes.%s.missing", now->volumes->entry[i].id);
-        st = vv_path_set(&root, path, json.s, NULL);
+        st = vv_path_set_numbers(&root, path, missing->value, missing->n, NULL);
         ++*n_set;
     }
     *world = (vv_world *)(void *)root;
-    vvi_text_free(&json);
     return st;
 }
 

@@ -68,6 +68,7 @@ static vv_status fail_name(const cli_verb *verb, const char *word, size_t n)
 static vv_status put_in_places(cli_args *args, const cli_verb *verb)
 {
     const char *at[WORDS_MOST] = {NULL};
+    bool named[WORDS_MOST] = {false};
     size_t n = 0, last = 0;
     for (size_t w = 0; w < args->n_words; w++) {
         const size_t length = name_length(args->words[w]);
@@ -80,6 +81,7 @@ static vv_status put_in_places(cli_args *args, const cli_verb *verb)
             return vv_fail(VV_E_ARGUMENT, "%s: '%s' and '%s=%s' are the same input; omit one", verb->name,
                            args->words[w], verb->operation->inputs[place].name, at[place]);
         at[place] = args->words[w] + length + 1;
+        named[place] = place > 0;
         args->words[w] = NULL;
     }
     for (size_t w = 0; w < args->n_words; w++) {
@@ -99,6 +101,7 @@ static vv_status put_in_places(cli_args *args, const cli_verb *verb)
             continue;
         args->placed |= args->n_words != i;
         args->place[args->n_words] = i;
+        args->named[args->n_words] = named[i];
         args->words[args->n_words++] = at[i];
     }
     return VV_OK;

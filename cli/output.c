@@ -6,6 +6,7 @@
 #include "io/mesh_file.h"
 #include "refusal.h"
 #include "registry.h"
+#include "value.h"
 #include "watch.h"
 #include <dirent.h>
 #include <errno.h>
@@ -41,26 +42,20 @@ void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *comm
     out->spare_inputs = !command->common->overwrite;
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
-}
-
 bool cli_output_is_figure(const char *output)
 {
-    return ends_with(output, ".svg");
+    return cli_ends_with(output, ".svg");
 }
 
 static vv_status fail_suffix(const char *output, const vv_registry *registry)
 {
-    const char *names[MAX_SUFFIXES], *slash = strrchr(output, '/'), *dot = strrchr(slash ? slash : output, '.');
+    const char *names[MAX_SUFFIXES];
     size_t n = 0;
     for (const vv_image_format *const *row = registry->image_formats; *row; row++)
         for (const char *const *s = (*row)->suffixes; (*row)->write && *s && n + 1 < MAX_SUFFIXES; s++)
             names[n++] = *s;
     names[n++] = ".svg";
-    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, dot ? dot : "", &(vvi_known){names, n, NULL, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, cli_suffix_of(output), &(vvi_known){names, n, NULL, NULL},
                          "has no suffix that an image format writes");
 }
 
@@ -94,26 +89,35 @@ vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command,
                          "there is no format of pictures '%.60s'", name);
 }
 
+const vv_image_format *cli_output_picture(const vv_registry *registry, const char *output)
+{
+    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
+        for (size_t s = 0; (*row)->suffixes[s]; s++)
+            if (cli_ends_with(output, (*row)->suffixes[s]))
+                return *row;
+    return NULL;
+}
+
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
-    for (size_t i = 0; registry->image_formats[i]; i++) {
-        const vv_image_format *format = registry->image_formats[i];
-        for (size_t s = 0; format->suffixes[s]; s++)
-            if (ends_with(output, format->suffixes[s]))
-                return format->write ? VV_OK
-                                     : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s",
-                                                  format->name, format->doc);
-    }
-    return fail_suffix(output, registry);
+    const vv_image_format *format = cli_output_picture(registry, output);
+    if (!format)
+        return fail_suffix(output, registry);
+    return format->write ? VV_OK
+                         : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s", format->name,
+                                      format->doc);
+}
+
+vv_status cli_output_format(const vv_format **out, const cli_command *command, const char *output, const char *name)
+{
+    return name ? vvi_format_named(out, name, command->registry) : vvi_format_of_output(out, output, command->registry);
 }
 
 static vv_status check_volume(const cli_command *command, const char *output, const char *name)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     const vv_format *format;
-    vv_status st;
-    st = name ? vvi_format_named(&format, name, command->registry)
-              : vvi_format_of_output(&format, output, command->registry);
+    vv_status st = cli_output_format(&format, command, output, name);
     if (st != VV_OK ||
         (st = cli_refused(command, "encoding", vvi_format_check_encoding(format, writing->encoding))) != VV_OK)
         return st;
@@ -132,8 +136,7 @@ static vv_status check_mesh(const cli_command *command, const char *output)
 static const vv_format *format_of_folder(const cli_command *command, const char *output, const char *name)
 {
     const vv_format *format;
-    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
-                              : vvi_format_of_output(&format, output, command->registry);
+    const vv_status st = cli_output_format(&format, command, output, name);
     return st == VV_OK && format->folder_file ? format : NULL;
 }
 
@@ -154,8 +157,7 @@ static vv_status check_slices(const cli_command *command, const char *output, co
 {
     const vv_format *format;
     const bool ours = command->common->overwrite || (command->watch && command->watch->n_runs > 0);
-    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
-                              : vvi_format_of_output(&format, output, command->registry);
+    const vv_status st = cli_output_format(&format, command, output, name);
     if (st != VV_OK || ours || format->folder_file != vvi_format_slices.folder_file)
         return st;
     const char *names = vvi_slices_pattern(output);
@@ -198,19 +200,13 @@ static vv_status check_folder(const char *output, const vv_format *format)
     return st;
 }
 
-static const char *base_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 bool cli_output_is(const char *output, const char *path)
 {
     struct stat out, in;
     if (!output || stat(output, &out) == 0)
         return output && stat(path, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino;
     char *folder_out = cli_folder_of(output), *folder_in = cli_folder_of(path);
-    const bool same = folder_out && folder_in && strcmp(base_of(output), base_of(path)) == 0 &&
+    const bool same = folder_out && folder_in && strcmp(cli_base_of(output), cli_base_of(path)) == 0 &&
                       stat(folder_out, &out) == 0 && stat(folder_in, &in) == 0 && in.st_dev == out.st_dev &&
                       in.st_ino == out.st_ino;
     free(folder_out);
@@ -244,14 +240,12 @@ static const char *contents_by_suffix(const char *output, const vv_registry *reg
 {
     size_t n;
     vvi_path_coding(output, &n);
-    if (ends_with(output, ".vv.json"))
+    if (cli_ends_with(output, ".vv.json"))
         return "scene";
     if (vvi_mesh_format_of_path(output, registry))
         return "mesh";
-    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
-        for (size_t s = 0; (*row)->suffixes[s]; s++)
-            if (ends_with(output, (*row)->suffixes[s]))
-                return "picture";
+    if (cli_output_picture(registry, output))
+        return "picture";
     for (const vv_format *const *row = registry->formats; *row; row++)
         if (vvi_format_has_suffix(*row, output, n))
             return "volume";

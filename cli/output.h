@@ -16,6 +16,8 @@ typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_M
  * Errors  VV_E_ARGUMENT with the nearest real suffix, VV_E_WRITE
  */
 vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format);
+/** The format of volumes of that name, or by the suffix; name NULL: by suffix. */
+vv_status cli_output_format(const vv_format **out, const cli_command *command, const char *output, const char *name);
 /** VV_E_ARGUMENT where text would go into a file whose suffix is that of a volume, a mesh, a picture or a scene. */
 vv_status cli_output_check_text(const cli_command *command, const char *output);
 /** Whether an option, by the name of its property, stands on the command line, not in the file of defaults. */
@@ -28,6 +30,8 @@ vv_status cli_output_check_mesh_options(const cli_command *command, const char *
 vv_status cli_output_check_image_options(const cli_command *command, const char *output);
 /** The suffix of a format of pictures by its name, or by one of its suffixes: what standard output is to hold. */
 vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name);
+/** The format of pictures by the suffix; NULL: it is none. */
+const vv_image_format *cli_output_picture(const vv_registry *registry, const char *output);
 /** Whether it is to be an SVG figure. */
 bool cli_output_is_figure(const char *output);
 /** The command's -o; VV_E_ARGUMENT says what it is for when there is none. */

@@ -98,6 +98,18 @@ static vv_status finish(cli_command *command, const char *output, const cli_inpu
     return st;
 }
 
+/* A type that was asked for is that of the numbers in the file, also where a scale makes values of them: as --stored.
+ * True: nobody asked for that. */
+static bool keep_type(vv_write_options *options, const cli_command *command, const vv_step *last)
+{
+    const vv_format *format;
+    if (options->stored || !last || !last->params || !vv_object_is_set(last->params, "type") ||
+        cli_output_format(&format, command, command->common->output, options->format) != VV_OK || format->keeps_scale)
+        return false;
+    options->stored = true;
+    return true;
+}
+
 vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
                            size_t n_steps)
 {
@@ -115,9 +127,15 @@ vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t
             (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
     }
     cli_output_options(&options, command);
+    const bool kept = keep_type(&options, command, n_steps ? &steps[n_steps - 1] : NULL);
     vv_status st = vv_run_new(&run, files, n_files, steps, n_steps, &output, command->verb.name, command->job);
     if (st == VV_OK)
         st = finish(command, output.path, inputs, n_inputs, run);
+    if (st == VV_OK && kept && vvi_has_scale(&vv_run_get_about(run)->written) && !command->common->dry_run)
+        cli_command_note(command,
+                         "%s: numbers of the type that was asked for, and beside them the scale that makes values of "
+                         "them, which other programs may not know",
+                         output.path);
     vv_run_release(run);
     free(files);
     return st;

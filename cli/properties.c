@@ -1,4 +1,5 @@
 #include "properties.h"
+#include "args.h"
 #include "help.h"
 #include "usage.h"
 
@@ -45,10 +46,12 @@ void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls)
     vvi_result_open(json, key, '[');
     for (const vv_property *row = cls ? cls->properties : NULL; row && row->name; row++) {
         char letter[2] = {row->letter, 0};
-        if (row->hidden)
+        if (!cli_option_is_listed(row))
             continue;
         vvi_result_open(json, NULL, '{');
         vvi_result_string(json, "name", row->name);
+        if (row->option)
+            vvi_result_string(json, "option", row->option);
         vvi_result_string(json, "kind", kind_names[row->kind]);
         vvi_result_string(json, "doc", row->doc);
         if (row->letter)
@@ -89,7 +92,7 @@ void cli_properties_text(vvi_text *out, const char *prefix, const vv_class *cls,
 {
     for (const vv_property *row = cls->properties; row->name; row++) {
         vvi_text left = {0}, right = {0};
-        if (row->hidden || (!as_options && row->kind == VV_KIND_VARIANTS))
+        if (as_options ? !cli_option_is_listed(row) : row->hidden || row->kind == VV_KIND_VARIANTS)
             continue;
         add_left(&left, prefix, row, as_options);
         if (as_options)

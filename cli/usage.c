@@ -38,9 +38,11 @@ static void add_names(vvi_text *out, const char *const *names)
         vvi_text_printf(out, "%s%s", i ? "|" : "", names[i]);
 }
 
-/* Two numbers that are a range: its description shows one, as in "0..1500". */
+/* Two numbers that are a range: one row, or its description shows one, as in "0..1500". */
 static bool is_range(const vv_property *row)
 {
+    if (row->columns == 2 && row->lone)
+        return true;
     const char *dots = row->columns == 1 && !row->lone ? strstr(row->doc, "..") : NULL;
     return dots && dots > row->doc && isdigit((unsigned char)dots[-1]) && isdigit((unsigned char)dots[2]);
 }
@@ -77,6 +79,25 @@ void cli_usage_value(vvi_text *out, const vv_property *row)
     }
 }
 
+/* Whether it is one label or channel, by number or by name. */
+static bool takes_name(const vv_property *row)
+{
+    return row->kind == VV_KIND_I64 && cli_option_is_named(row);
+}
+
+/* What an option takes that its property does not. */
+static void add_value(vvi_text *out, const vv_property *row)
+{
+    if (takes_name(row))
+        vvi_text_add(out, "N|NAME");
+    else if (row->ranged)
+        vvi_text_add(out, "LO..HI");
+    else if (row->kind == VV_KIND_NUMBERS && row->columns == 3)
+        vvi_text_add(out, "X,Y,Z");
+    else
+        cli_usage_value(out, row);
+}
+
 void cli_usage_option(vvi_text *out, const vv_property *row)
 {
     char name[64];
@@ -87,11 +108,11 @@ void cli_usage_option(vvi_text *out, const vv_property *row)
     vvi_text_printf(out, "--%s%s", switched_on ? "no-" : "", name);
     if (cli_option_alone(row)) {
         vvi_text_add(out, "[=");
-        cli_usage_value(out, row);
+        add_value(out, row);
         vvi_text_add(out, "]");
     } else if (row->kind != VV_KIND_BOOL) {
         vvi_text_add(out, " ");
-        cli_usage_value(out, row);
+        add_value(out, row);
     }
 }
 
@@ -145,12 +166,26 @@ void cli_usage_doc(vvi_text *out, const vv_property *row)
         vvi_text_printf(out, "%s%s for %s", pair == row->aliases ? "; also " : ", ", pair[0], pair[1]);
 }
 
+void cli_usage_about(vvi_text *out, const vv_property *row)
+{
+    if (row->ranged)
+        vvi_text_printf(out, "LO is the %s, HI the %s; either may be omitted: 90.. and 90 are 90 and more", row[0].doc,
+                        row[1].doc);
+    else
+        vvi_text_printf(out, "%s%s%s", row->doc, takes_name(row) ? "; N, or what the file calls it" : "",
+                        cli_option_adds_row(row) ? "; may be repeated" : "");
+}
+
 void cli_usage_option_doc(vvi_text *out, const vv_property *row)
 {
-    if (row->kind == VV_KIND_BOOL && row->def != 0)
+    if (row->kind == VV_KIND_BOOL && row->def != 0) {
         vvi_text_printf(out, "turn off: %s", row->doc);
-    else
+    } else if (row->ranged || takes_name(row) || cli_option_adds_row(row)) {
+        cli_usage_about(out, row);
+        add_default(out, row);
+    } else {
         cli_usage_doc(out, row);
+    }
 }
 
 void cli_usage_line(vvi_text *out, const cli_verb *verb)

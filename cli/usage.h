@@ -15,6 +15,8 @@ void cli_usage_option(vvi_text *out, const vv_property *row);
 void cli_usage_doc(vvi_text *out, const vv_property *row);
 /** The same of an option: "--no-name" says what it takes away. */
 void cli_usage_option_doc(vvi_text *out, const vv_property *row);
+/** Without limits and default. */
+void cli_usage_about(vvi_text *out, const vv_property *row);
 /** "volvis gaussian [options] INPUT -o FILE" */
 void cli_usage_line(vvi_text *out, const cli_verb *verb);
 /** Example by number, of a hand-written verb or of an operation; NULL past the end. */

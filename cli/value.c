@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool cli_value_split_range(char lo[64], char hi[64], const char *typed)
@@ -88,6 +89,18 @@ void cli_value_print(char out[32], double value, double lo, double hi)
         snprintf(out, 32, "%.*g", digits < 6 ? 6 : digits, value == 0 ? 0 : value);
     else
         vvi_print_number(out, value);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double cli_value_median(double *v, size_t n)
+{
+    qsort(v, n, sizeof *v, by_number);
+    return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
 }
 
 void cli_value_scaled(char out[96], const char *stored, double scale, double offset)

@@ -4,6 +4,8 @@
 #ifndef CLI_VALUE_H
 #define CLI_VALUE_H
 #include "core/text.h"
+#include <string.h>
+#include <strings.h>
 #include <volvis/property.h>
 
 /** Exactly n numbers between commas (or `x` where by_x), two of them also as LO..HI: VV_E_ARGUMENT says what was
@@ -44,9 +46,33 @@ static inline const char *cli_plural(uint64_t n, const char *one, const char *se
     return n == 1 ? one : several;
 }
 
+/** Whether a path or a word has that suffix, in whatever letter case, behind something. */
+static inline bool cli_ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), n_end = strlen(end);
+    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
+}
+
+/** A path without its folders. */
+static inline const char *cli_base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/** ".nrrd"; "": it has none. */
+static inline const char *cli_suffix_of(const char *path)
+{
+    const char *dot = strrchr(cli_base_of(path), '.');
+    return dot ? dot : "";
+}
+
 /** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near.
  * Whole numbers have all their digits. */
 void cli_value_print(char out[32], double value, double lo, double hi);
+
+/** Of one number at least, which it sorts. */
+double cli_value_median(double *v, size_t n);
 
 /** What makes values of stored numbers, as in "i16 * 0.5 + 3", "stored - 1024". */
 void cli_value_scaled(char out[96], const char *stored, double scale, double offset);

@@ -20,14 +20,15 @@ typedef struct cli_verb {
     bool files_too;      /**< or files, where `choices` is something else */
     size_t min_words, max_words;
     const vv_class *options[CLI_VERB_CLASSES]; /**< NULL where there are fewer; cli_common_class comes by itself */
-    const char *const *examples;               /**< command lines; run by the tests; ends with NULL */
-    bool makes_file;                           /**< -o is a file that run() writes; else the result's text goes there */
-    const char *draws; /**< how -o becomes a picture, which run() sees to; NULL: it never does */
-    bool each_input;   /**< -o '{stem}.png' makes one of each input */
-    bool in_out;       /**< IN OUT will do instead of IN -o OUT */
-    bool safe;         /**< files are read as with --safe, unless --no-safe is given */
-    bool world;        /**< works on a World: --set has something to set */
-    bool plain;        /**< the file of defaults is not read */
+    const vv_class *own; /**< the one of them that run() makes itself, with units and names of its input; or NULL */
+    const char *const *examples; /**< command lines; run by the tests; ends with NULL */
+    bool makes_file;             /**< -o is a file that run() writes; else the result's text goes there */
+    const char *draws;           /**< how -o becomes a picture, which run() sees to; NULL: it never does */
+    bool each_input;             /**< -o '{stem}.png' makes one of each input */
+    bool in_out;                 /**< IN OUT will do instead of IN -o OUT */
+    bool safe;                   /**< files are read as with --safe, unless --no-safe is given */
+    bool world;                  /**< works on a World: --set has something to set */
+    bool plain;                  /**< the file of defaults is not read */
     bool hidden;
     vv_status (*run)(struct cli_command *command);
     const vv_operation *operation; /**< where the verb is one */

@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "input.h"
 #include "output.h"
+#include "value.h"
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -18,18 +19,12 @@ static cli_file_state state_of(const struct stat *about, cli_file_state before)
     return vvi_hash(parts, sizeof parts, before) | 1;
 }
 
-static const char *base_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* Outputs of this folder, by name: they may not be there yet. */
 static bool is_own(const cli_watch_files *files, const struct stat *folder, const char *name)
 {
     for (size_t i = 0; i < files->n_own; i++) {
         struct stat about;
-        if (strcmp(base_of(files->own[i]), name) != 0)
+        if (strcmp(cli_base_of(files->own[i]), name) != 0)
             continue;
         char *path = cli_folder_of(files->own[i]);
         const bool same =
@@ -41,12 +36,6 @@ static bool is_own(const cli_watch_files *files, const struct stat *folder, cons
     return false;
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n >= n_end && strcmp(text + n - n_end, end) == 0;
-}
-
 /* The files in it, in whatever order they are told; none of the folders below, whose files are read by name. */
 static cli_file_state state_of_folder(const cli_watch_files *files, const char *path, const struct stat *folder)
 {
@@ -55,7 +44,7 @@ static cli_file_state state_of_folder(const cli_watch_files *files, const char *
     for (struct dirent *entry; list && (entry = readdir(list));) {
         struct stat about;
         const char *name = entry->d_name;
-        if (name[0] == '.' || ends_with(name, ".part") || fstatat(dirfd(list), name, &about, 0) != 0 ||
+        if (name[0] == '.' || cli_ends_with(name, ".part") || fstatat(dirfd(list), name, &about, 0) != 0 ||
             !S_ISREG(about.st_mode) || is_own(files, folder, name))
             continue;
         sum += state_of(&about, vvi_hash(name, strlen(name), 0));
@@ -112,7 +101,7 @@ static bool has_room(cli_watch_files *files)
 static bool is_output(const cli_watch_files *files, const char *path)
 {
     for (size_t i = 0; i < files->n_own; i++)
-        if (strcmp(base_of(files->own[i]), base_of(path)) == 0 && cli_output_is(files->own[i], path))
+        if (strcmp(cli_base_of(files->own[i]), cli_base_of(path)) == 0 && cli_output_is(files->own[i], path))
             return true;
     return false;
 }

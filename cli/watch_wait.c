@@ -1,5 +1,5 @@
 #include "watch_wait.h"
-#include "input.h"
+#include "value.h"
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,8 +38,7 @@ static void mark(cli_watch_files *files, const struct inotify_event *event)
 {
     for (size_t f = 0; f < files->n; f++) {
         cli_watched_file *file = &files->file[f];
-        const char *slash = strrchr(file->path, '/');
-        if (file->folder == event->wd && strcmp(slash ? slash + 1 : file->path, event->name) == 0)
+        if (file->folder == event->wd && strcmp(cli_base_of(file->path), event->name) == 0)
             file->writing = (event->mask & IN_MODIFY) != 0;
     }
 }

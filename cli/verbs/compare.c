@@ -1,4 +1,5 @@
 #include "command.h"
+#include "core/units.h"
 #include "input.h"
 #include "mesh.h"
 #include "mesh_difference.h"
@@ -14,8 +15,9 @@
 
 typedef struct compare_options {
     vv_object base;
-    double psnr, ssim, flip, max_difference;
-    char *input_unit;
+    double psnr, ssim, flip;
+    char *max_difference, *input_unit;
+    double most; /* max_difference as a number */
 } compare_options;
 
 static const vv_property rows[] = {
@@ -25,9 +27,9 @@ static const vv_property rows[] = {
      .doc = "images: differ if the structural similarity is below this, at most 1"},
     {VV_PROP(compare_options, flip), .kind = VV_KIND_F64, .automatic = "no limit",
      .doc = "images: differ if the mean FLIP error is above this, 0 to 1"},
-    {VV_PROP(compare_options, max_difference), .kind = VV_KIND_F64, .automatic = "no limit",
+    {VV_PROP(compare_options, max_difference), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "no limit",
      .doc = "differ if any sample differs by more: for images 0 to 1, for volumes in values; for meshes, if a point of "
-            "one surface is farther from the other, in the unit of A"},
+            "one surface is farther from the other: a length, as in 20um, or a number in the unit of A"},
     {VV_PROP(compare_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
      .doc = "meshes: unit of lengths in a file that gives none, or counts voxels: mm, or 0.5mm for each"},
     {0},
@@ -40,6 +42,19 @@ static const vv_class options_class = {
     .properties = rows,
 };
 
+/* unit: of A, a mesh; NULL: values are compared, which have no lengths. */
+static vv_status read_most(cli_command *command, const char *unit)
+{
+    compare_options *o = (compare_options *)(uintptr_t)cli_command_options(command, &options_class);
+    const vv_property_context context = {.length_unit = unit};
+    if (!o->max_difference || (vvi_parse_number(&o->most, o->max_difference) && isfinite(o->most)))
+        return VV_OK;
+    if (!unit)
+        return vv_fail(VV_E_ARGUMENT, "--max-difference: expected a number, found '%s'; only meshes differ by lengths",
+                       o->max_difference);
+    return vvi_parse_quantity(&o->most, o->max_difference, VV_Q_LENGTH, &context, "--max-difference");
+}
+
 /* The first limit that is not kept makes the exit code 6; each is said. */
 static void judge(cli_command *command, const char *option, const char *what, double found, bool least)
 {
@@ -47,7 +62,7 @@ static void judge(cli_command *command, const char *option, const char *what, do
     const double limit = strcmp(option, "psnr") == 0   ? o->psnr
                          : strcmp(option, "ssim") == 0 ? o->ssim
                          : strcmp(option, "flip") == 0 ? o->flip
-                                                       : o->max_difference;
+                                                       : o->most;
     if (!vv_object_is_set(&o->base, option) || (least ? found >= limit : found <= limit))
         return;
     command->exit_code = CLI_EXIT_DIFFERS;
@@ -117,7 +132,8 @@ static vv_status compare_images(cli_command *command, const char *path_a, const 
     vv_image_difference d;
     vv_status st;
     char text[128];
-    if ((st = vv_image_read(&a, NULL, NULL, path_a, command->job)) == VV_OK &&
+    if ((st = read_most(command, NULL)) == VV_OK &&
+        (st = vv_image_read(&a, NULL, NULL, path_a, command->job)) == VV_OK &&
         (st = vv_image_read(&b, NULL, NULL, path_b, command->job)) == VV_OK) {
         vvi_result_string(&command->json, "kind", "images");
         if (a->width != b->width || a->height != b->height) {
@@ -143,13 +159,13 @@ static vv_status judge_meshes(cli_command *command, const cli_mesh_difference *d
     bool within = true;
     if (!vv_object_is_set(&o->base, "max_difference") || d->apart)
         return VV_OK;
-    const vv_status st = cli_mesh_within(&within, d, a, b, o->max_difference, command->job);
+    const vv_status st = cli_mesh_within(&within, d, a, b, o->most, command->job);
     if (st == VV_OK && !within)
         command->exit_code = CLI_EXIT_DIFFERS;
     if (st == VV_OK && !within)
         cli_command_line(command, "differs", "the largest distance is %g %s%s, the limit is at most %g",
-                         far.value > o->max_difference ? far.value : far.value + far.error, vv_mesh_get_info(a)->unit,
-                         far.value > o->max_difference ? "" : " at most", o->max_difference);
+                         far.value > o->most ? far.value : far.value + far.error, vv_mesh_get_info(a)->unit,
+                         far.value > o->most ? "" : " at most", o->most);
     return st;
 }
 
@@ -175,7 +191,8 @@ static vv_status compare_meshes(cli_command *command, const char *word_a, const 
     if (vv_object_is_set(&o->base, "psnr") || vv_object_is_set(&o->base, "ssim") || vv_object_is_set(&o->base, "flip"))
         return vv_fail(VV_E_ARGUMENT, "--psnr, --ssim and --flip are for samples: meshes take --max-difference");
     vv_status st = cli_mesh_read(&a, command, word_a, o->input_unit);
-    if (st == VV_OK && (st = cli_mesh_read(&b, command, word_b, o->input_unit)) == VV_OK)
+    if (st == VV_OK && (st = read_most(command, vv_mesh_get_info(a)->unit)) == VV_OK &&
+        (st = cli_mesh_read(&b, command, word_b, o->input_unit)) == VV_OK)
         st = report_meshes(command, a, &b);
     vv_mesh_release(a);
     vv_mesh_release(b);
@@ -317,7 +334,8 @@ static vv_status open_and_compare(cli_command *command)
     vv_status st;
     if (vv_object_is_set(&o->base, "ssim") || vv_object_is_set(&o->base, "flip"))
         return vv_fail(VV_E_ARGUMENT, "--ssim and --flip are for images: volumes take --psnr and --max-difference");
-    if ((st = cli_input_open(&inputs[0], command, command->args.words[0])) == VV_OK &&
+    if ((st = read_most(command, NULL)) == VV_OK &&
+        (st = cli_input_open(&inputs[0], command, command->args.words[0])) == VV_OK &&
         (st = cli_input_open(&inputs[1], command, command->args.words[1])) == VV_OK)
         st = compare_volumes(command, inputs);
     cli_input_close(&inputs[0]);

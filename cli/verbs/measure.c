@@ -1,5 +1,6 @@
 #include "measure.h"
 #include "core/status.h"
+#include "model/classes.h"
 #include "verbs.h"
 #include <string.h>
 
@@ -55,11 +56,15 @@ static vv_status split_words(words *out, const cli_command *command)
 }
 
 /* Options that say what is to be measured now. */
-static bool asks(const cli_measure_options *o)
+static bool asks(const cli_command *command)
 {
-    for (const vv_property *p = cli_measure_class.properties; p->name; p++)
-        if (strcmp(p->name, "csv") != 0 && strcmp(p->name, "update") != 0 && vv_object_is_set(&o->base, p->name))
+    for (size_t i = 0; i < command->args.n_given; i++) {
+        const cli_given *given = &command->args.given[i];
+        if (given->cls == &vvi_measurement_class ||
+            (given->cls == &cli_measure_class && strcmp(given->row->name, "csv") != 0 &&
+             strcmp(given->row->name, "update") != 0))
             return true;
+    }
     return false;
 }
 
@@ -80,31 +85,42 @@ static vv_status answer(cli_command *command, const cli_question *q)
         st = cli_plot_write(command, answer, q->file[0], o->log);
     }
     if (st == VV_OK && o->store)
-        st = cli_measure_store(command, q, asked, answer);
+        st = cli_measure_store(command, q, asked);
     vv_answer_release(answer);
     vv_object_release(asked ? &asked->base : NULL);
     return st;
 }
 
-static vv_status run(cli_command *command)
+static vv_status run_words(cli_command *command, words *w)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    cli_question *ask = &w->ask;
+    const char *file = ask->file[0];
+    vv_status st;
+    if ((st = cli_measure_output(command, ask->kind)) != VV_OK || (st = cli_measure_check(command, ask)) != VV_OK ||
+        (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
+        (st = cli_command_start(command)) != VV_OK)
+        return st;
+    vvi_result_string(&command->json, "measured", ask->kind ? ask->kind->name : CLI_MEASURE_STORED);
+    vvi_result_string(&command->json, "file", file);
+    if (command->common->dry_run)
+        return cli_measure_plan(command, ask);
+    return ask->kind ? answer(command, ask) : cli_measure_stored(command, file, w->names, w->n_names);
+}
+
+static vv_status run(cli_command *command)
+{
     words w;
     vv_status st = split_words(&w, command);
     if (st != VV_OK)
         return st;
-    const char *file = w.ask.file[0];
-    if (w.nothing && !asks(o) && cli_measure_has_stored(command, file))
+    if (w.nothing && !asks(command) && cli_measure_has_stored(command, w.ask.file[0]))
         w.ask.kind = NULL;
-    if ((st = cli_measure_output(command, w.ask.kind)) != VV_OK || (st = cli_measure_check(command, &w.ask)) != VV_OK ||
-        (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
-        (st = cli_command_start(command)) != VV_OK)
-        return st;
-    vvi_result_string(&command->json, "measured", w.ask.kind ? w.ask.kind->name : CLI_MEASURE_STORED);
-    vvi_result_string(&command->json, "file", file);
-    if (command->common->dry_run)
-        return cli_measure_plan(command, &w.ask);
-    return w.ask.kind ? answer(command, &w.ask) : cli_measure_stored(command, file, w.names, w.n_names);
+    w.ask.typed = true;
+    if ((st = cli_measure_take(&w.ask.asked, command, w.ask.kind)) == VV_OK)
+        st = run_words(command, &w);
+    vv_object_release(w.ask.asked ? &w.ask.asked->base : NULL);
+    return st;
 }
 
 static const char *const examples[] = {
@@ -150,7 +166,8 @@ const cli_verb cli_verb_measure = {
     .files_too = true,
     .min_words = 1,
     .max_words = WORDS_MOST,
-    .options = {&cli_measure_class, &cli_reading_class},
+    .options = {&vvi_measurement_class, &cli_measure_class, &cli_reading_class},
+    .own = &vvi_measurement_class,
     .examples = examples,
     .draws = "name a measurement that has a plot",
     .run = run,

@@ -80,6 +80,7 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
         .options = {operation->params,
                     vv_class_find(operation->params, "missing") ? &cli_reading_rest_class : &cli_reading_class,
                     &cli_writing_class, &cli_watching_class, makes_mesh(operation) ? &cli_timing_class : NULL},
+        .own = operation->params,
         .makes_file = true,
         .each_input = vv_operation_least(operation) == 1 && operation->inputs[0].most == 1,
         .in_out = vv_operation_most(operation) == 1,

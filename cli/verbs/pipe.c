@@ -9,6 +9,7 @@
 #include "pipeline.h"
 #include "run/made.h"
 #include "scene/load.h"
+#include "value.h"
 #include "verbs.h"
 #include "watch.h"
 #include <stdio.h>
@@ -56,12 +57,6 @@ static vv_status take_words(piping *p)
     return p->n > 0 ? VV_OK : vv_fail(VV_E_ARGUMENT, "an input is missing: the file that the first operation works on");
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
-}
-
 static const vv_dataset *result(const piping *p)
 {
     return (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, p->last);
@@ -88,22 +83,6 @@ static vv_status make_world(piping *p)
 
 /* A scene ------------------------------------------------------------------------------------------------------- */
 
-static vv_status set_frames(vv_world **world, int64_t frame)
-{
-    vv_object *root = &(*world)->base;
-    vv_status st = VV_OK;
-    const size_t n = (*world)->volumes->n;
-    for (size_t i = 0; i < n && st == VV_OK && frame >= 0; i++) {
-        char path[128], value[32];
-        const vv_world *now = (const vv_world *)(const void *)root;
-        snprintf(path, sizeof path, "volumes.%s.frame", now->volumes->entry[i].id);
-        snprintf(value, sizeof value, "%lld", (long long)frame);
-        st = vv_path_set(&root, path, value, NULL);
-    }
-    *world = (vv_world *)(void *)root;
-    return st;
-}
-
 static vv_status write_scene(piping *p)
 {
     cli_command *command = p->command;
@@ -112,7 +91,7 @@ static vv_status write_scene(piping *p)
         return vv_fail_at(VV_E_ARGUMENT, "standard input", NULL,
                           "cannot be named by a scene; write it to a file first, or write the result with -o FILE");
     vv_status st = vvi_world_for_dataset(&shown, p->world, p->last, command->job);
-    if (st == VV_OK && (st = set_frames(&shown, p->frame)) == VV_OK && !command->common->dry_run)
+    if (st == VV_OK && (st = cli_world_set_frame(&shown, p->frame)) == VV_OK && !command->common->dry_run)
         st = vv_scene_write(p->output, shown, command->job);
     if (st == VV_OK) {
         vvi_result_string(&command->json, "output", p->output);
@@ -218,7 +197,7 @@ static vv_status check_output(piping *p, bool *scene_out)
     const vv_status st = cli_output_need(&p->output, command, "the scene or the result");
     if (st != VV_OK)
         return st;
-    *scene_out = ends_with(p->output, ".vv.json");
+    *scene_out = cli_ends_with(p->output, ".vv.json");
     if (*scene_out)
         return cli_output_check(command, p->output, CLI_OUTPUT_TEXT, NULL);
     const bool mesh = cli_mesh_is_output(command, p->output, writing->output_format);

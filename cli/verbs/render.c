@@ -9,6 +9,7 @@
 #include "render_plan.h"
 #include "rendering.h"
 #include "signals.h"
+#include "value.h"
 #include "verbs.h"
 #include "watch.h"
 #include <stdio.h>
@@ -67,12 +68,6 @@ static vv_status load(cli_rendering *r)
     return st;
 }
 
-static int by_time(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* There is a whole picture: Ctrl-C ends the frame with it. */
 static bool is_interrupted(void *user)
 {
@@ -105,8 +100,7 @@ static vv_status repeat(cli_rendering *r, size_t n)
         st = frame(r, &r->last);
         times[i] = r->last.render_s;
     }
-    qsort(times, n, sizeof *times, by_time);
-    r->render_s = n % 2 ? times[n / 2] : (times[n / 2 - 1] + times[n / 2]) / 2;
+    r->render_s = cli_value_median(times, n);
     free(times);
     return st;
 }

@@ -95,14 +95,17 @@ struct vv_property {
     const char *ref_to;       /**< ref: the World's map that holds it */
     const char *table;        /**< variants: "renderers", ...; string: it names a row of that table, if any are known */
     int columns;              /**< numbers: 1, or how many a row */
-    bool lone;                /**< numbers: one by itself will do, and needs no brackets */
-    char letter;              /**< command line: -o; 0: none */
-    bool positional;          /**< command line: taken from the words without dashes */
-    bool hidden;              /**< command line: not listed */
-    const char *when;         /**< "mode=composite|mean": acts while that enum of its class has one of these values;
-                                 "pieces|least": while one of these is set; "data=labels", "data=values": of an
-                                 operation, on such samples; NULL: always */
-    const char *option; /**< command line: what it is called there, where that is not its name, which is read too */
+    bool lone;   /**< numbers: one by itself, or one row of `columns`, will do, and needs no brackets of its own; of a
+                    table that is not, each time that the option is given adds a row */
+    char letter; /**< command line: -o; 0: none */
+    bool positional;    /**< command line: taken from the words without dashes */
+    bool hidden;        /**< command line: not listed */
+    bool ranged;        /**< command line: LO..HI, of which this is LO, and the next row HI; both of kind f64 */
+    const char *when;   /**< "mode=composite|mean": acts while that enum of its class has one of these values;
+                           "pieces|least": while one of these is set; "data=labels", "data=values": of an
+                           operation, on such samples; NULL: always */
+    const char *option; /**< command line: what it is called there, where that is not its name, which is read too; "":
+                           it is no option */
     const char *const *aliases; /**< enum, string: pairs of a word that people type and the name that it stands for;
                                    ends with NULL. Read, and never written or listed */
 };
@@ -172,7 +175,8 @@ VV_API vv_status vv_path_set_numbers(vv_object **root, const char *path, const d
 VV_API vv_status vv_path_get(char **json_out, const vv_object *root, const char *path);
 /** Back to unset. */
 VV_API vv_status vv_path_unset(vv_object **root, const char *path, const vv_property_context *context);
-/** Add an entry to a map ("lights", id) or at the end of a list (id NULL). json: its properties, or NULL. */
+/** Add an entry to a map ("lights", id) or at the end of a list (id NULL). json: its properties, or NULL. Of a table of
+ * numbers: a row at its end, as in 1,2,3. */
 VV_API vv_status vv_path_add(vv_object **root, const char *path, const char *id, const char *json,
                              const vv_property_context *context);
 /** Remove "lights.key" or "cut_planes.2". */

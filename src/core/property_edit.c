@@ -122,7 +122,7 @@ static vv_status set_object(vv_object **root, const vvi_trail *trail, const json
 /* Each by itself: no rows, no ranges. */
 static bool lists_numbers(const vv_property *property)
 {
-    return property->kind == VV_KIND_NUMBERS && property->lone;
+    return property->kind == VV_KIND_NUMBERS && property->lone && property->columns <= 1;
 }
 
 vv_status vv_path_set(vv_object **root, const char *path, const char *text, const vv_property_context *context)
@@ -174,16 +174,42 @@ vv_status vv_path_unset(vv_object **root, const char *path, const vv_property_co
     return set_property(root, &trail, null, &reading, &place);
 }
 
+/* At the end of a table. */
+static vv_status add_row(vv_object **root, const vvi_trail *trail, const char *text, const vvi_reading *reading,
+                         const vvi_place *place)
+{
+    char *rows = NULL;
+    json_t *all = NULL, *row = NULL;
+    vv_status st = vv_path_get(&rows, *root, trail->path);
+    if (st == VV_OK && (st = vvi_json_parse(&all, rows, strlen(rows), place)) == VV_OK)
+        st = vvi_json_parse_typed(&row, text, VV_KIND_NUMBERS, place);
+    if (st == VV_OK && !json_is_array(all)) { /* null: nobody has set it */
+        json_decref(all);
+        all = json_array();
+    }
+    if (st == VV_OK && json_array_append(all, row))
+        st = vv_fail_memory(strlen(text));
+    if (st == VV_OK)
+        st = set_property(root, trail, all, reading, place);
+    json_decref(row);
+    json_decref(all);
+    free(rows);
+    return st;
+}
+
 vv_status vv_path_add(vv_object **root, const char *path, const char *id, const char *json,
                       const vv_property_context *context)
 {
     vvi_trail trail;
     const vvi_place place = {.name = path};
+    const vvi_reading reading = {.context = vvi_context_or_empty(context)};
     vv_status st = vvi_trail_find(&trail, *root, path);
     if (st != VV_OK)
         return st;
     const vvi_hop *last = trail.n ? last_hop(&trail) : NULL;
     const vv_type_kind kind = last && !last->entry ? last->property->kind : VV_KIND_OBJECT;
+    if (kind == VV_KIND_NUMBERS && last->property->columns > 1 && !id && json)
+        return add_row(root, &trail, json, &reading, &place);
     if (kind != VV_KIND_LIST && kind != VV_KIND_MAP)
         return vvi_fail_place(&place, VV_E_ARGUMENT, "entries can be added only to lists and maps; this is neither");
     if ((kind == VV_KIND_LIST) != !id)

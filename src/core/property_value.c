@@ -301,21 +301,37 @@ static vv_status read_row(vv_numbers *numbers, size_t row, const vv_property *p,
     return VV_OK;
 }
 
+/* A number, or a row of them, without the brackets around all. */
+static bool stands_alone(const vv_property *p, const json_t *json)
+{
+    if (!p->lone)
+        return false;
+    if (columns_of(p) > 1)
+        return json_array_size(json) > 0 && !json_is_array(json_array_get(json, 0));
+    return json_is_number(json) || (p->quantity == VV_Q_LABEL && json_is_string(json));
+}
+
+static const char *wanted_numbers(const vv_property *p)
+{
+    if (p->columns == 2 && p->lone)
+        return "two numbers, as in 0..300";
+    return p->columns > 1 ? "an array of rows of numbers"
+           : p->lone      ? "a number, or several as in 1,2,3"
+                          : "several numbers, as in 1,2,3";
+}
+
 static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const json_t *json, const vvi_reading *reading,
                               const vvi_place *place)
 {
     char found[64];
     const size_t columns = columns_of(p);
     const bool labels = p->quantity == VV_Q_LABEL;
-    const bool none = p->lone && !labels && json_is_string(json) && strcmp(json_string_value(json), "none") == 0;
-    const bool lone = p->lone && (json_is_number(json) || (labels && json_is_string(json)));
+    const bool none =
+        p->lone && columns == 1 && !labels && json_is_string(json) && strcmp(json_string_value(json), "none") == 0;
+    const bool lone = stands_alone(p, json);
     const size_t n = lone ? 1 : json_array_size(json);
     if (!json_is_array(json) && !lone && !none)
-        return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
-                              columns > 1 ? "an array of rows of numbers"
-                              : p->lone   ? "a number, or several as in 1,2,3"
-                                          : "several numbers, as in 1,2,3",
-                              vvi_found(found, json));
+        return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s", wanted_numbers(p), vvi_found(found, json));
     if (n > VVI_COLLECTION_MOST)
         return vvi_fail_place(place, VV_E_LIMIT, "%zu rows are too many: at most %d are allowed", n,
                               VVI_COLLECTION_MOST);
@@ -323,7 +339,8 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     vv_status st = labels ? vvi_numbers_new_labels(&numbers, n, columns) : vvi_numbers_new(&numbers, n * columns);
     for (size_t i = 0; st == VV_OK && i < n; i++) {
         const vvi_place at = {.up = place, .index = i};
-        st = read_row(numbers, i, p, lone ? json : json_array_get(json, i), reading, &at);
+        st = lone ? read_row(numbers, 0, p, json, reading, place)
+                  : read_row(numbers, i, p, json_array_get(json, i), reading, &at);
     }
     if (st != VV_OK) {
         vvi_numbers_release(numbers);

@@ -90,13 +90,13 @@ static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const 
     vvi_log(job, VV_LOG_INFO, "simplify", "%zu of %zu triangles; the surface has moved by at most %.4g %s",
             r->n_triangles, mesh->n_triangles, most, mesh->unit);
     if (r->over_budget)
-        vvi_log(job, VV_LOG_WARNING, "simplify",
-                "%zu triangles are left of the %llu asked for: no more can be removed %s", r->n_triangles,
+        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu %s left of the %llu asked for: no more can be removed %s",
+                r->n_triangles, r->n_triangles == 1 ? "triangle is" : "triangles are",
                 (unsigned long long)options->triangles,
                 options->error > 0 ? "within the error" : "without opening the surface");
     if (r->n_crowded)
-        vvi_log(job, VV_LOG_WARNING, "simplify",
-                "%zu edges have more than two triangles: the surface touches itself there", r->n_crowded);
+        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu %s more than two triangles: the surface touches itself there",
+                r->n_crowded, r->n_crowded == 1 ? "edge has" : "edges have");
     if (options->error > 0 && most > options->error)
         vvi_log(job, VV_LOG_WARNING, "simplify",
                 "the surface is up to %.4g %s away from the original, more than the error of %.4g that was asked for",

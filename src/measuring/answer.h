@@ -67,6 +67,9 @@ void vvi_tell_table(vv_answer *a, const char *key, const vv_answer_column *colum
 /** Keys of a JSON object that is open. */
 void vvi_answer_add_json(vvi_result *json, const vv_answer *answer);
 
+/** The table that it has, or else its figures, as comma-separated values. */
+void vvi_answer_add_csv(vvi_text *out, const vv_answer *answer);
+
 /* Digits ---------------------------------------------------------------------------------------------------------- */
 
 enum { VVI_FIGURE_TEXT = 160 };

@@ -463,6 +463,11 @@ def test_many_inputs_have_an_output_each():
     ok("isosurface", "a.nrrd", "a.nrrd", "out.stl", "--overwrite")  # the second one gives values
     for name in ("a.stl", "b.stl", "a.npy", "b.npy", "d/a_soft.nrrd", "d/b_soft.nrrd", "d/c.x_soft.nrrd", "a.png", "b.png"):
         assert os.path.exists(name), name
+    write_ball("d/a.nrrd")  # what is named as another input is that for each of them
+    ok("isosurface", "a.nrrd", "values=d/a.nrrd", "-o", "one.ply")
+    ok("isosurface", "a.nrrd", "c.x.nii.gz", "values=d/a.nrrd", "-o", "{stem}_v.ply")
+    with open("one.ply", "rb") as one, open("a_v.ply", "rb") as first, open("c.x_v.ply", "rb") as second:
+        assert one.read() == first.read() == second.read() and not os.path.exists("d/a_v.ply")
     write_ball("b.nrrd")
     says(fails(2, "convert", "b.nrrd", "d/b.nrrd", "-o", "{stem}.mha"), "'b.mha' for both", "'d/b.nrrd'")
     fails(3, "convert", "absent.nrrd", "a.nrrd", "-o", "{stem}.mha")

@@ -256,6 +256,11 @@ def test_labels_have_their_names_on_the_command_line():
     apart = [ok("measure", "distance", "a.seg.nrrd", "a.seg.nrrd", "--label", a, "--other-label", b, "--json").json["hausdorff"]
              for a, b in (("left kidney", 'LIVER "lobe" \u00e9'), ("7", "2"))]
     assert apart[0] == apart[1]
+    for label, name in (("left kidney", "name.seg.nrrd"), ("7", "number.seg.nrrd")):
+        ok("dilate", "a.seg.nrrd", "-o", name, "--radius", "1", "--label", label)
+    with open("name.seg.nrrd", "rb") as named, open("number.seg.nrrd", "rb") as numbered:
+        assert named.read() == numbered.read()
+    says(fails(2, "dilate", "a.seg.nrrd", "-o", "no.seg.nrrd", "--label", "left kidny"), "did you mean 'left kidney'?")
     says(fails(2, "isosurface", "a.seg.nrrd", "-o", "b.ply", "--label", "7,2x"), "whole numbers or names", "'7,2x'")
 
 

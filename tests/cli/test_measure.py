@@ -1277,4 +1277,24 @@ def test_wrong_words_are_told():
     says(fails(2, "measure", "sphere.nrrd", "--seed", "99,1,1", "--iso", "0"), "outside")
 
 
+def test_options_are_the_properties_that_scenes_keep():
+    write_sphere()
+    options = {o.get("option", o["name"]): o for o in ok("help", "measure", "--json").json["verbs"][0]["options"]["measurement"]}
+    kept = ok("schema").json["$defs"]["measurement"]["properties"]
+    assert {o["name"] for o in options.values()} < set(kept) and {"threshold", "point", "channel", "bins"} < set(options)
+    for no_option in ("what", "title", "file", "other", "figures", "threshold_hi", "cut_planes"):
+        assert no_option in kept and no_option not in options
+        says(fails(2, "measure", "sphere.nrrd", f"--{no_option.replace('_', '-')}=1"), "has no option")
+    words = ("measure", "profile", "sphere.nrrd", "--point", "1,2,3", "--point", ".5,+30,62.", "--samples", "5")
+    ok(*words, "--store", "a.vv.json:line")
+    ok("measure", "statistics", "sphere.nrrd", "--threshold", "5..", "--threshold", "..7", "--store", "a.vv.json:some")
+    with open("a.vv.json", encoding="utf-8") as file:
+        stored = json.load(file)["measurements"]
+    assert stored["line"]["points"] == [[1, 2, 3], [0.5, 30, 62]] and stored["line"]["samples"] == 5
+    assert stored["some"]["threshold_hi"] == 7 and "threshold_lo" not in stored["some"]
+    for option, typed, wanted in (("--seed", "1,2", "X,Y,Z"), ("--point", "1,x,2", "X,Y,Z"), ("--range", "1..x", "LO..HI"),
+                                  ("--threshold", "a..b", "LO..HI"), ("--threshold", "5..1", "exchange"), ("--iso", "x", "number")):
+        says(fails(2, "measure", "histogram", "sphere.nrrd", option, typed), f"{option}: ", wanted, f"'{typed}'")
+
+
 main()

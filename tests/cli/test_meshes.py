@@ -166,6 +166,9 @@ def test_two_meshes_are_compared():
     assert told["distance"] == 0 and not told["identical"] and told["differs"], told
     assert volvis("compare", "box.ply", "moved.ply", "--max-difference", "0.1249").code == 6
     ok("compare", "box.ply", "moved.ply", "--max-difference", "0.1251")
+    assert volvis("compare", "box.ply", "moved.ply", "--max-difference", "124.9um").code == 6
+    ok("compare", "box.ply", "moved.ply", "--max-difference", "125.1um")
+    says(fails(2, "compare", "box.ply", "moved.ply", "--max-difference", "1parsec"), "--max-difference: ", "unknown unit 'parsec'")
     says(ok("compare", "box.ply", "moved.ply").text, "8 vertices, 12 triangles, 1 piece", "22", "Hausdorff", "0.125 mm apart")
     measured = ok("measure", "distance", "box.ply", "moved.ply", "--json").json
     for key in "hausdorff", "a_to_b_mean", "a_to_b_rms", "b_to_a_mean", "distance":

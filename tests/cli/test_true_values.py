@@ -185,6 +185,19 @@ def test_stored_numbers_go_out_where_they_are_asked_for():
             assert np.allclose(np.load("again.npy").T, want, rtol=1e-12, atol=0), (case, suffix)
 
 
+def test_a_type_that_is_asked_for_with_values_kept_is_that_of_the_numbers():
+    need_all()
+    scaled_file(CASES[2])
+    want = ok("rescale", "in.nii", "-o", "want.nrrd", "--keep-values", "--to", "0,255")
+    says(want.text, "f32, the values of")
+    for suffix, tells in (("nrrd", True), ("mha", True), ("nii", False)):
+        made = ok("rescale", "in.nii", "-o", f"out.{suffix}", "--type", "u8", "--keep-values")
+        assert ("may not know" in made.message) == tells, made.message
+        assert ok("info", f"out.{suffix}", "--json").json["type"] == "u8"
+    assert read_nrrd("out.nrrd").dtype == np.uint8
+    assert ok("rescale", "in.nii", "-o", "plain.nrrd", "--type", "u8").message == ""
+
+
 def test_operations_write_values_too():
     need_all()
     want = scaled_file(CASES[2])

@@ -173,6 +173,29 @@ static void lists_are_addressed_by_number(void **state)
     vv_object_release(world);
 }
 
+static void rows_are_added_to_a_table_and_a_row_alone_needs_no_brackets(void **state)
+{
+    (void)state;
+    const vv_property_context context = vvi_registry_context(NULL);
+    vv_object *world = new_world();
+    add(&world, "measurements", "m", NULL);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(vv_path_add(&world, "measurements.m.points", NULL, i ? "[4, 5, 6]" : ".5,+2,-3.", &context),
+                         VV_OK);
+    expect(world, "measurements.m.points", "[[0.5, 2, -3], [4, 5, 6]]");
+    assert_int_equal(vv_path_add(&world, "measurements.m.points", NULL, "1,2", &context), VV_E_ARGUMENT);
+    expect_begin("measurements.m.points.2: expected a row of 3 numbers, found an array of 2");
+    expect_error(&world, "measurements.m.points", "1,2,3", "measurements.m.points.0: expected a row of 3 numbers");
+    for (int i = 0; i < 2; i++) {
+        set(&world, "measurements.m.range", i ? "[[-1, 2.5]]" : "-1..2.5");
+        expect(world, "measurements.m.range", "[[-1, 2.5]]");
+    }
+    expect_error(&world, "measurements.m.range", "5", "measurements.m.range: expected two numbers, as in 0..300");
+    expect_error(&world, "measurements.m.range", "1,2,3",
+                 "measurements.m.range: expected a row of 2 numbers, found an array of 3");
+    vv_object_release(world);
+}
+
 static void a_failed_document_names_the_path(void **state)
 {
     (void)state;
@@ -210,6 +233,7 @@ int main(void)
         cmocka_unit_test(errors_name_the_path_and_the_nearest_name),
         cmocka_unit_test(null_unsets_and_defaults_come_back),
         cmocka_unit_test(lists_are_addressed_by_number),
+        cmocka_unit_test(rows_are_added_to_a_table_and_a_row_alone_needs_no_brackets),
         cmocka_unit_test(a_failed_document_names_the_path),
         cmocka_unit_test(angles_are_degrees_outside_and_exact),
     };
