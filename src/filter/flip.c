@@ -75,8 +75,26 @@ typedef struct shared {
     const vv_affine *turn; /* of vectors; NULL: samples are only moved */
 } shared;
 
+/* Bytes, eight of them at a time. */
+static void reverse_bytes(char *out, const char *in, int64_t n)
+{
+    int64_t i = 0;
+    for (; i + 8 <= n; i += 8) {
+        uint64_t eight;
+        memcpy(&eight, in + i, sizeof eight);
+        eight = __builtin_bswap64(eight);
+        memcpy(out + n - 8 - i, &eight, sizeof eight);
+    }
+    for (; i < n; i++)
+        out[n - 1 - i] = in[i];
+}
+
 static void reverse_row(char *out, const char *in, int64_t n, int64_t stride, size_t bytes)
 {
+    if (bytes == 1 && stride == 1) {
+        reverse_bytes(out, in, n);
+        return;
+    }
     switch (bytes) { /* known sizes become single loads and stores */
 #define REVERSE(size)                                                                                                  \
     case size:                                                                                                         \

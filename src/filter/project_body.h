@@ -1,8 +1,8 @@
 /* The loops of project_kernel.h for one type of sample. Before it: SAMPLE and NAME(x), which names a function for it.
  * Nothing is worked out on a condition alone: vectors have no branches. */
 
-#define LARGER(a, b) ((b) != (b)) | ((b) <= (a)) ? (a) : (b)
-#define SMALLER(a, b) ((b) != (b)) | ((b) >= (a)) ? (a) : (b)
+#define LARGER(a, b) ((((b) != (b)) | ((b) <= (a))) ? (a) : (b))
+#define SMALLER(a, b) ((((b) != (b)) | ((b) >= (a))) ? (a) : (b))
 
 /* Sample by sample; along the row, the blocks together, and in the end their halves. */
 #define EXTREME(name, BETTER)                                                                                          \

@@ -109,6 +109,25 @@ static void thread_count_changes_no_byte(void **state)
     vv_field_release(first);
 }
 
+/* Bytes go eight at a time, and what is left one by one. */
+static void rows_of_any_length_are_reversed(void **state)
+{
+    (void)state;
+    static const int64_t sizes[] = {1, 7, 8, 9, 15, 16, 17, 31};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+        for (int wide = 0; wide < 2; wide++) {
+            vv_field_info info = info_of(wide ? VV_TYPE_U16 : VV_TYPE_U8, 1);
+            info.grid.dims[0] = sizes[s];
+            vv_field *in = test_field_random(&info, s, NULL), *out;
+            assert_int_equal(test_apply(&out, &vvi_operation_flip, in, "axes=\"x\"", NULL), VV_OK);
+            for (int64_t j = 0; j < info.grid.dims[1]; j++)
+                for (int64_t i = 0; i < sizes[s]; i++)
+                    assert_true(vv_field_value(out, i, j, 1, 0) == vv_field_value(in, sizes[s] - 1 - i, j, 1, 0));
+            vv_field_release(in);
+            vv_field_release(out);
+        }
+}
+
 static void unknown_axes_are_refused(void **state)
 {
     (void)state;
@@ -146,6 +165,7 @@ int main(void)
         cmocka_unit_test(flipping_twice_gives_the_same_field),
         cmocka_unit_test(mirroring_keeps_the_grid_and_turns_vectors),
         cmocka_unit_test(thread_count_changes_no_byte),
+        cmocka_unit_test(rows_of_any_length_are_reversed),
         cmocka_unit_test(unknown_axes_are_refused),
         cmocka_unit_test(every_allocation_may_fail),
     };
