@@ -18,7 +18,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 4
+#define VV_OPERATION_API 5
 #define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
@@ -174,6 +174,7 @@ struct vv_operation {
     /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
      */
     const struct vvi_surface_row *surface;
+    const char *group; /**< where menus list it: "smoothing", "edges", ...; NULL: under its component */
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
