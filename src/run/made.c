@@ -134,8 +134,7 @@ static bool is_grid_only(const vvi_made *made, size_t index)
     return vv_operation_operand(made->operation, index)->grid_only;
 }
 
-/* Of a series the time step that is asked for; else the only one. */
-static vv_status frame_of(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
+vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
     vv_field_info first, info;
     *out = 0;
@@ -159,7 +158,7 @@ static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t inde
 {
     const vv_dataset *dataset = made->input[index];
     vv_field *field = NULL;
-    vv_status st = frame_of(&out->frame, made, index, frame, job);
+    vv_status st = vvi_made_frame(&out->frame, made, index, frame, job);
     if (st != VV_OK)
         return st;
     const bool parts = in_parts && dataset->path && !dataset->checksum;
