@@ -63,8 +63,8 @@ static void list_made(cli_command *command, const vv_collection *datasets)
             continue;
         print_inputs(&inputs, d);
         print_parameters(&parameters, d);
-        cli_command_line(command, "made", "%s: %s of %s%s", datasets->entry[i].id, d->operation, text_or(inputs.s, ""),
-                         text_or(parameters.s, ""));
+        cli_command_line(command, "made", "%s: %s of %s%s%s", datasets->entry[i].id, d->operation,
+                         text_or(inputs.s, ""), text_or(parameters.s, ""), d->on ? "" : " (off)");
         vvi_result_open(&command->json, NULL, '{');
         vvi_result_string(&command->json, "name", datasets->entry[i].id);
         vvi_result_string(&command->json, "operation", d->operation);
@@ -72,6 +72,8 @@ static void list_made(cli_command *command, const vv_collection *datasets)
             vvi_result_string(&command->json, "source", d->source);
         vvi_result_raw(&command->json, "inputs", text_or(d->inputs, "{}"));
         vvi_result_raw(&command->json, "parameters", text_or(d->parameters, "{}"));
+        if (!d->on)
+            vvi_result_bool(&command->json, "on", false);
         vvi_result_close(&command->json, '}');
         vvi_text_free(&inputs);
         vvi_text_free(&parameters);

@@ -154,25 +154,6 @@ static vv_status write_mesh(piping *p)
 
 /* Samples ------------------------------------------------------------------------------------------------------- */
 
-/* The chain as steps of one run, which streams what memory does not hold. */
-typedef struct steps {
-    vv_step step[VVI_MADE_DEEPEST]; /* the first one first */
-    size_t n;
-} steps;
-
-static vv_status add_step(steps *out, const vvi_made *made, vv_job *job)
-{
-    vv_step step = {made->operation, NULL};
-    if (out->n == VVI_MADE_DEEPEST)
-        return vv_fail(VV_E_LIMIT, "the chain has more than %d steps", VVI_MADE_DEEPEST);
-    const vv_status st = vvi_made_params(&step.params, made, job);
-    if (st != VV_OK)
-        return st;
-    memmove(out->step + 1, out->step, out->n++ * sizeof step);
-    out->step[0] = step;
-    return VV_OK;
-}
-
 /* "values=ct.nrrd" names an input. */
 static bool names_inputs(const piping *p)
 {
@@ -182,27 +163,13 @@ static bool names_inputs(const piping *p)
     return false;
 }
 
-/* *one_run_out: each step but the first works on the one before it alone, and the first on the inputs as they stand. */
-static vv_status take_steps(steps *out, bool *one_run_out, const piping *p, const char *source)
+/* Whether each step but the first works on the one before it alone, and the first on the inputs as they stand. */
+static bool is_one_run(const vvi_made_chain *all, const piping *p, const vv_dataset *source)
 {
-    const vv_dataset *dataset = result(p);
-    bool first = false;
-    vv_status st = VV_OK;
-    *one_run_out = !p->from_stream && !names_inputs(p);
-    while (st == VV_OK && !first && *one_run_out) {
-        vvi_made made;
-        if ((st = vvi_made_open(&made, p->world, dataset, p->command->job)) == VV_OK) {
-            st = add_step(out, &made, p->command->job);
-            first = strcmp(made.input_id[0], source) == 0;
-            *one_run_out = made.n == (first ? p->n : 1);
-            dataset = made.input[0];
-        }
-        vvi_made_close(&made);
-    }
-    return st;
+    return !p->from_stream && !names_inputs(p) && all->input[0] == source && all->n_inputs == p->n;
 }
 
-static vv_status run_on_files(piping *p, const steps *all)
+static vv_status run_on_files(piping *p, const vvi_made_chain *all)
 {
     cli_input inputs[INPUTS_MOST] = {{0}};
     size_t n = 0;
@@ -230,14 +197,15 @@ static vv_status run_on_world(piping *p)
 
 static vv_status write_samples(piping *p)
 {
-    steps all = {.n = 0};
-    bool one_run = false;
-    const char *source = cli_chain_source(p->world, p->input[0]);
-    vv_status st = source ? take_steps(&all, &one_run, p, source) : VV_E_ARGUMENT;
+    vvi_made_chain all;
+    const char *id = cli_chain_source(p->world, p->input[0]);
+    if (!id)
+        return VV_E_ARGUMENT;
+    const vv_dataset *source = (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, id);
+    vv_status st = vvi_made_chain_open(&all, p->world, result(p), source, p->command->job);
     if (st == VV_OK)
-        st = one_run ? run_on_files(p, &all) : run_on_world(p);
-    for (size_t i = 0; i < all.n; i++)
-        vv_object_release(all.step[i].params);
+        st = is_one_run(&all, p, source) ? run_on_files(p, &all) : run_on_world(p);
+    vvi_made_chain_close(&all);
     return st;
 }
 

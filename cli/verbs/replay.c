@@ -47,8 +47,8 @@ const cli_verb cli_verb_replay = {
     .name = "replay",
     .doc = "replay a recorded session of view: the scene that it leads to",
     .about = "RECORDING is a file written by 'volvis view --record' or 'volvis serve --record': what the pages sent, "
-             "and when. The resulting World is the one at the end of the session; without -o it is printed. Results of "
-             "operations are computed again; with -o those that the scene shows stay, in the folder of sessions.",
+             "and when. The resulting World is the one at the end of the session; without -o it is printed. Samples "
+             "that it shows are made again, in the folder of sessions; with -o those that the scene shows stay.",
     .words = "RECORDING",
     .choices = "files",
     .min_words = 1,

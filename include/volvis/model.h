@@ -213,6 +213,7 @@ typedef struct vv_dataset {
     char *parameters; /**< of the operation: the text of a JSON object */
     char *source;     /**< the first input, where `inputs` does not name it */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */
+    bool on; /**< whether the operation is applied; off: what it makes is its first input, as it is */
 } vv_dataset;
 
 typedef enum vv_projection { VV_PERSPECTIVE, VV_PARALLEL } vv_projection;

@@ -136,3 +136,37 @@ void vvi_find_note(vv_job *job, const char *format, ...)
     find(job, (vv_finding){.note = print(format, arguments)});
     va_end(arguments);
 }
+
+/* Kept ------------------------------------------------------------------------------------------------------------- */
+
+static vv_finding copy_of(const vv_finding *f)
+{
+    return (vv_finding){.name = f->name ? vvi_strdup(f->name) : NULL,
+                        .json = f->json ? vvi_strdup(f->json) : NULL,
+                        .phrase = f->phrase ? vvi_strdup(f->phrase) : NULL,
+                        .note = f->note ? vvi_strdup(f->note) : NULL};
+}
+
+void vvi_findings_keep(vvi_findings *out, const vv_job *job)
+{
+    *out = (vvi_findings){.n = job ? job->n_findings : 0};
+    out->all = out->n ? vvi_calloc(out->n, sizeof *out->all) : NULL;
+    if (!out->all)
+        out->n = 0;
+    for (size_t i = 0; i < out->n; i++)
+        out->all[i] = copy_of(&job->findings[i]);
+}
+
+void vvi_findings_tell(vv_job *job, const vvi_findings *kept)
+{
+    for (size_t i = 0; job && i < kept->n; i++)
+        find(job, copy_of(&kept->all[i]));
+}
+
+void vvi_findings_free(vvi_findings *kept)
+{
+    for (size_t i = 0; i < kept->n; i++)
+        drop(&kept->all[i]);
+    free(kept->all);
+    *kept = (vvi_findings){.n = 0};
+}

@@ -17,4 +17,16 @@ void vvi_find_string(vv_job *job, const char *name, const char *value);
 void vvi_find_phrase(vv_job *job, const char *format, ...) VV_PRINTF(2, 3);
 /** What people should know of the input, and of what was made of it: it stands behind the input's name. */
 void vvi_find_note(vv_job *job, const char *format, ...) VV_PRINTF(2, 3);
+
+/** What was found of a result that is kept, for those who get it later. Zeroed is valid to free. */
+typedef struct vvi_findings {
+    vv_finding *all;
+    size_t n;
+} vvi_findings;
+
+/** A copy of all that the job was told; without memory of none. */
+void vvi_findings_keep(vvi_findings *out, const vv_job *job);
+/** All of it is told to the job, as if it had just been found. */
+void vvi_findings_tell(vv_job *job, const vvi_findings *kept);
+void vvi_findings_free(vvi_findings *kept);
 #endif

@@ -29,6 +29,8 @@ struct vv_file {
     void *plan;
     vv_field_info info;
     vvi_leaving *left_out; /* NULL: all samples are what is stored */
+    vv_file *origin;       /* of data that are made; NULL: none */
+    bool new_values;       /* which have no longer its values */
 };
 
 void vv_read_options_init(vv_read_options *options, size_t size)
@@ -302,6 +304,18 @@ vv_status vvi_file_of_plan(vv_file **out, const char *name, const vv_format *for
     return st;
 }
 
+void vvi_file_take_origin(vv_file *file, vv_file *origin, bool new_values)
+{
+    file->origin = origin;
+    file->new_values = new_values;
+}
+
+const vv_file *vvi_file_origin(const vv_file *file, bool *new_values_out)
+{
+    *new_values_out = file->new_values;
+    return file->origin ? file->origin : file;
+}
+
 /* Of a collection no file is one itself: it could name itself. */
 static vv_status open_beside(vv_file *file, const vv_source *folder, const char *name, const vv_read_options *options,
                              vv_job *job)
@@ -362,6 +376,7 @@ void vv_file_close(vv_file *file)
     vvi_source_close(file->source);
     free(file->name);
     free(file->left_out);
+    vv_file_close(file->origin);
     vvi_free(file);
 }
 

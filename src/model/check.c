@@ -111,5 +111,7 @@ vv_status vvi_check_dataset(const vv_object *object, const char *path)
     uint32_t crc = 0;
     if (dataset->checksum && !vvi_checksum_parse(&crc, dataset->checksum))
         return fail_property(path, "checksum", "expected crc32: followed by eight hexadecimal digits");
+    if (!dataset->on && (!dataset->operation || dataset->path))
+        return fail_property(path, "on", "is of data that an operation makes; a file cannot be switched off");
     return VV_OK;
 }

@@ -386,6 +386,8 @@ static const vv_property dataset[] = {
      .doc = "parameters of the operation, by name: {\"sigma\": \"1mm\"}; 'volvis help OPERATION' lists them"},
     {VV_PROP(vv_dataset, source), VVI_WORD, .automatic = "none: inputs name them all",
      .doc = "the first input of the operation, where inputs does not name it"},
+    {VV_PROP(vv_dataset, on), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "whether the operation is applied; off: the first input stands for what it would make"},
     END,
 };
 const vv_class vv_dataset_class = {

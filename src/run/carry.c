@@ -1,6 +1,7 @@
 /* What a file says of its samples, carried through operations into what is written. */
 #include "core/memory.h"
 #include "core/status.h"
+#include "io/data_file.h"
 #include <stdlib.h>
 #include <string.h>
 #include <volvis/sys/registry.h>
@@ -38,9 +39,11 @@ vv_status vv_carry_begin(vv_carry *out, vv_write_options *options, const vv_file
         st = take_step(out, &steps[s]);
     if (st != VV_OK)
         return st;
+    bool new_before = false;
+    options->origin = vvi_file_origin(origin, &new_before);
+    out->new_values |= new_before;
     for (size_t c = 0; c < out->n_channels && out->new_values; c++)
         out->channels[c].lo = out->channels[c].hi = 0; /* a window of other values */
-    options->origin = origin;
     options->new_values = out->new_values;
     if (!options->channels && out->channels && out->n_channels == (size_t)result->components) {
         options->channels = out->channels;

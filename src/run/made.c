@@ -1,6 +1,7 @@
 /* Datasets that are made of others, worked out when they are asked for and kept in the cache. */
 #include "run/made.h"
 #include "core/cache.h"
+#include "core/findings.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/status.h"
@@ -55,11 +56,23 @@ static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv
     return VV_OK;
 }
 
+/* What is worked out where a dataset is asked for; one that is switched off may stand for a file. */
+static vv_status look_behind(const vv_dataset **dataset, const vv_world *world, vv_job *job)
+{
+    const char *id = "";
+    return vvi_made_behind(dataset, &id, world, job);
+}
+
 static vv_status plan(vv_field_info *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
-    const request r = {world, dataset, 0};
     vvi_cached *cached = NULL;
-    const vv_status st = get(&cached, "plan of what is made", make_info, vvi_free, &r, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_info(out, world, dataset, job);
+    const request r = {world, dataset, 0};
+    st = get(&cached, "plan of what is made", make_info, vvi_free, &r, job);
     if (st == VV_OK)
         *out = *(const vv_field_info *)vvi_cached_value(cached);
     vvi_cache_release(cached);
@@ -233,6 +246,37 @@ static vv_status run_field(vv_field **out, const vvi_made *made, vv_object *para
     return st;
 }
 
+/* What was made, and what was found when it was. */
+typedef struct result {
+    vv_field *field;
+    vv_mesh *mesh;
+    vvi_findings found;
+} result;
+
+static void drop_result(void *value)
+{
+    result *made = value;
+    vv_field_release(made->field);
+    vv_mesh_release(made->mesh);
+    vvi_findings_free(&made->found);
+    vvi_free(made);
+}
+
+/* Takes both references in any case. */
+static vv_status keep_result(void **value_out, vv_field *field, vv_mesh *mesh, const vv_job *job)
+{
+    result *made = vvi_alloc(NULL, sizeof *made, VVI_MEM_MODEL);
+    if (!made) {
+        vv_field_release(field);
+        vv_mesh_release(mesh);
+        return vv_fail_memory(sizeof *made);
+    }
+    *made = (result){.field = field, .mesh = mesh};
+    vvi_findings_keep(&made->found, job);
+    *value_out = made;
+    return VV_OK;
+}
+
 static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
@@ -257,24 +301,29 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
     vvi_cache_release(params);
     vvi_made_close(&made);
     if (st == VV_OK)
-        *value_out = field;
-    else
-        vv_field_release(field);
+        return keep_result(value_out, field, NULL, job);
+    vv_field_release(field);
     return st;
 }
 
-static void drop_field(void *value)
+static vv_status get_field(vvi_cached **out, const vv_world *world, const vv_dataset *dataset, int64_t frame,
+                           vv_job *job)
 {
-    vv_field_release(value);
+    const request r = {world, dataset, frame};
+    return get(out, "samples that are made", make_field, drop_result, &r, job);
 }
 
 static vv_status field_of(vv_field **out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job)
 {
-    const request r = {world, dataset, frame};
     vvi_cached *cached = NULL;
-    const vv_status st = get(&cached, "samples that are made", make_field, drop_field, &r, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_field(out, world, dataset, NULL, frame, job);
+    st = get_field(&cached, world, dataset, frame, job);
     if (st == VV_OK)
-        *out = vv_field_retain(vvi_cached_value(cached));
+        *out = vv_field_retain(((const result *)vvi_cached_value(cached))->field);
     vvi_cache_release(cached);
     return st;
 }
@@ -312,6 +361,18 @@ static vv_status run_mesh(vv_mesh **out, const vvi_made *made, vv_object *params
     return st;
 }
 
+/* Of a series the first time step is taken. */
+static vv_status note_first(const vvi_made *made, vv_job *job)
+{
+    vv_field_info info;
+    if (!made->input[0] || vv_dataset_is_mesh(made->input[0], job))
+        return VV_OK;
+    const vv_status st = vv_dataset_info(&info, made->world, made->input[0], job);
+    if (st == VV_OK)
+        vvi_run_note_first(info.n_frames, job);
+    return st;
+}
+
 static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
@@ -321,30 +382,36 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
     vv_mesh *mesh = NULL;
     vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
     if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK &&
-        (st = vvi_made_plan(&none, &made, params, job)) == VV_OK)
-        st = run_mesh(&mesh, &made, params, job);
+        (st = vvi_made_plan(&none, &made, params, job)) == VV_OK && (st = run_mesh(&mesh, &made, params, job)) == VV_OK)
+        st = note_first(&made, job);
     st = vvi_made_fail(&made, NULL, st);
     vv_object_release(params);
     vvi_made_close(&made);
-    if (st != VV_OK)
-        return st;
-    *value_out = mesh;
-    *bytes_out = vvi_mesh_bytes(mesh);
-    return VV_OK;
+    if (st == VV_OK) {
+        *bytes_out = vvi_mesh_bytes(mesh);
+        return keep_result(value_out, NULL, mesh, job);
+    }
+    vv_mesh_release(mesh);
+    return st;
 }
 
-static void drop_mesh(void *value)
+static vv_status get_mesh(vvi_cached **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
-    vv_mesh_release(value);
+    const request r = {world, dataset, 0};
+    return get(out, "mesh that is made", make_mesh, drop_result, &r, job);
 }
 
 static vv_status mesh_of(vv_mesh **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
-    const request r = {world, dataset, 0};
     vvi_cached *cached = NULL;
-    const vv_status st = get(&cached, "mesh that is made", make_mesh, drop_mesh, &r, job);
+    vv_status st = look_behind(&dataset, world, job);
+    if (st != VV_OK)
+        return st;
+    if (!vv_dataset_is_made(dataset))
+        return vv_dataset_mesh(out, world, dataset, job);
+    st = get_mesh(&cached, world, dataset, job);
     if (st == VV_OK)
-        *out = vv_mesh_retain(vvi_cached_value(cached));
+        *out = vv_mesh_retain(((const result *)vvi_cached_value(cached))->mesh);
     vvi_cache_release(cached);
     return st;
 }
@@ -355,6 +422,23 @@ static bool is_mesh(const vv_dataset *dataset, vv_job *job)
     while (row && *row && strcmp((*row)->name, dataset->operation) != 0)
         row++;
     return row && *row && vv_operation_makes(*row) == VV_IS_MESH;
+}
+
+vv_status vvi_made_work_out(vv_data *out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job)
+{
+    vvi_cached *cached = NULL;
+    *out = (vv_data){0};
+    const vv_status st =
+        is_mesh(dataset, job) ? get_mesh(&cached, world, dataset, job) : get_field(&cached, world, dataset, frame, job);
+    if (st == VV_OK) {
+        const result *made = vvi_cached_value(cached);
+        out->field = made->field ? vv_field_retain(made->field) : NULL;
+        out->mesh = made->mesh ? vv_mesh_retain(made->mesh) : NULL;
+        vv_job_forget_findings(job);
+        vvi_findings_tell(job, &made->found);
+    }
+    vvi_cache_release(cached);
+    return st;
 }
 
 const vvi_made_data vvi_made_data_by_runs = {

@@ -16,14 +16,20 @@ typedef struct vvi_made {
     const char *id; /**< of the dataset */
     const vv_operation *operation;
     size_t n;                                /**< inputs, in the order of the row's operands */
-    const vv_dataset *input[VVI_RUN_INPUTS]; /**< NULL: it is left out */
+    const vv_dataset *input[VVI_RUN_INPUTS]; /**< NULL: it is left out. What stands for one that is switched off */
     const char *input_id[VVI_RUN_INPUTS];
     char *names; /**< of inputs that are named as people like, "a,b"; NULL: of none */
 } vvi_made;
 
 /** Its row and inputs, found in the World. Errors name the property. *out is for vvi_made_close(), also on failure. */
 vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+/** The same without a look at whether inputs are switched off. */
+vv_status vvi_made_open_as_is(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 void vvi_made_close(vvi_made *made);
+/** What a dataset stands for: itself, or its first input where its operation is switched off, as far back as that is
+ * so; in the place of *dataset and *id. Errors: VV_E_ARGUMENT (an operation that makes another kind than its first
+ * input is, made of itself), those of vvi_made_open(). */
+vv_status vvi_made_behind(const vv_dataset **dataset, const char **id, const vv_world *world, vv_job *job);
 /** Hash of all that decides what it is. Errors: VV_E_ARGUMENT (made of itself), VV_E_LIMIT (of too much), those of
  * vvi_made_open() for all that it stands on. */
 vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
@@ -55,6 +61,31 @@ void vvi_made_fields_close(vvi_made_fields *fields);
  * is yours. VV_E_UNSUPPORTED: not vvi_made_is_local(); otherwise errors of the operation. */
 vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_fields *fields, const vv_object *params,
                        const vv_box *box, vv_job *job);
+
+/** A dataset that is made is worked out, unless it is kept: its samples of a time step, or its mesh, yours to release.
+ * The job is told what was found when it was worked out (vv_job_finding()), and nothing else. Errors: those of
+ * vv_dataset_field() and vv_dataset_mesh(). */
+vv_status vvi_made_work_out(vv_data *out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job);
+
+/** How samples come about: steps, the first one first, each on the one before it alone. */
+typedef struct vvi_made_chain {
+    vv_step step[VVI_MADE_DEEPEST];
+    size_t n;
+    const vv_dataset
+        *input[VVI_RUN_INPUTS]; /**< of the first step, as of vvi_made; without steps the data themselves */
+    const char *input_id[VVI_RUN_INPUTS];
+    size_t n_inputs;
+} vvi_made_chain;
+
+/** Back from a dataset of samples, as far as there is such a chain and no further than to `from` (NULL: a file). *out
+ * is for vvi_made_chain_close(), also on failure. */
+vv_status vvi_made_chain_open(vvi_made_chain *out, const vv_world *world, const vv_dataset *dataset,
+                              const vv_dataset *from, vv_job *job);
+void vvi_made_chain_close(vvi_made_chain *chain);
+/** A dataset as a file, in the format of its suffix: all time steps, with what its file says as it still holds. The
+ * bytes are those that `volvis NAME` and `volvis pipe` write. Errors: VV_E_ARGUMENT (no format for such data),
+ * those of vv_run_write() and vv_mesh_write(). */
+vv_status vvi_made_write(const char *path, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 
 /** What files say of data beyond their info, as it holds after the operations that they were made by. */
 typedef struct vvi_words {

@@ -153,6 +153,15 @@ static vv_status take_operands(vvi_made *made, json_t *inputs)
 
 vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
+    vv_status st = vvi_made_open_as_is(out, world, dataset, job);
+    for (size_t i = 0; i < out->n && st == VV_OK; i++)
+        if (out->input[i])
+            st = vvi_made_behind(&out->input[i], &out->input_id[i], world, job);
+    return st;
+}
+
+vv_status vvi_made_open_as_is(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
     *out = (vvi_made){.world = world, .dataset = dataset, .id = id_of(world, dataset)};
     vv_status st = find_operation(out, job);
     if (st != VV_OK)
@@ -270,7 +279,10 @@ vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_datase
     graph g = {world, vvi_calloc(world->datasets->n + 1, sizeof(node)), job};
     if (!g.nodes)
         return vv_fail_memory(world->datasets->n * sizeof(node));
-    const vv_status st = visit(&found, &g, dataset, 1);
+    const char *id = "";
+    vv_status st = vvi_made_behind(&dataset, &id, world, job);
+    if (st == VV_OK)
+        st = visit(&found, &g, dataset, 1);
     free(g.nodes);
     *out = found.content;
     return st;

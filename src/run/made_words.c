@@ -8,7 +8,8 @@
 static vv_status collect(vvi_words *out, vv_step steps[VVI_MADE_DEEPEST], const vv_dataset **from,
                          const vv_world *world, vv_job *job)
 {
-    vv_status st = VV_OK;
+    const char *id = "";
+    vv_status st = vvi_made_behind(from, &id, world, job);
     while (*from && vv_dataset_is_made(*from) && st == VV_OK) {
         vvi_made made;
         if (out->n == VVI_MADE_DEEPEST)

@@ -44,4 +44,6 @@ int64_t vvi_run_frames(const vv_run_input *input);
 vv_status vvi_run_plan_mesh(vv_run *run);
 vv_status vvi_run_make_mesh(vv_run *run);
 vv_status vvi_run_write_mesh(vv_run *run);
+/** People are told that a mesh is of the first of so many time steps; of one there is nothing to be told. */
+void vvi_run_note_first(int64_t n_frames, vv_job *job);
 #endif

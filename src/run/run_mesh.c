@@ -34,10 +34,15 @@ static vv_status read_inputs(vv_data *out, const vv_run *r)
         else if (in->file)
             st = vv_file_read(&out[i].field, in->file, in->frame < 0 ? 0 : in->frame, NULL, r->job);
     }
-    const int64_t n = r->inputs[0].file ? vv_file_info(r->inputs[0].file)->n_frames : 1;
-    if (st == VV_OK && r->inputs[0].frame < 0 && n > 1)
-        vvi_find_note(r->job, "the mesh is of the first of %" PRId64 " time steps", n);
+    if (st == VV_OK && r->inputs[0].frame < 0 && r->inputs[0].file)
+        vvi_run_note_first(vv_file_info(r->inputs[0].file)->n_frames, r->job);
     return st;
+}
+
+void vvi_run_note_first(int64_t n_frames, vv_job *job)
+{
+    if (n_frames > 1)
+        vvi_find_note(job, "the mesh is of the first of %" PRId64 " time steps", n_frames);
 }
 
 static vv_status open_only(vv_field **out, void *user, size_t index, vv_job *job)

@@ -264,6 +264,7 @@ static const struct {
     {"sample", vvi_request_sample, true},
     {"save", vvi_request_save, true},
     {"run", vvi_request_run, true},
+    {"write", vvi_request_write, true},
     {"measure", vvi_request_measure, false},
     {"pick", vvi_request_pick, false},
     {"info", vvi_request_info, false},

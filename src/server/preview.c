@@ -11,14 +11,14 @@
 #include <volvis/render.h>
 
 /* What is made first, to learn how long more of it takes. */
-enum { TRIAL_SAMPLES = 1 << 15, ID_ROOM = 32, PATH_ROOM = 192 };
+enum { TRIAL_SAMPLES = 1 << 15, PATH_ROOM = 192 };
 /* A cubic spline of a box is that of the whole so far from its border, within a millionth. */
 enum { MARGIN = 1, MARGIN_CUBIC = 12 };
 
 typedef struct work {
     const vvi_preview_wish *wish;
     vvi_preview *out;
-    char id[ID_ROOM];      /* of the dataset that has the recipe */
+    const char *id;        /* of the dataset that would be made */
     vv_world *world;       /* with it */
     vv_scene *scene;       /* as it is seen now */
     const vv_actor *actor; /* NULL: the data are a mesh */
@@ -36,8 +36,6 @@ static void finish(work *w)
     vv_object_release(w->params);
     vvi_made_close(&w->made);
     vv_scene_release(w->scene);
-    if (w->world)
-        vv_object_release(&w->world->base);
 }
 
 void vvi_preview_finish(vvi_preview *preview)
@@ -47,18 +45,6 @@ void vvi_preview_finish(vvi_preview *preview)
 }
 
 /* The World as it is ----------------------------------------------------------------------------------------------- */
-
-/* Beside the others, under a name that none of them has. */
-static vv_status add_recipe(work *w)
-{
-    vv_object *root = vv_object_retain((vv_object *)(uintptr_t)&w->wish->world->base);
-    snprintf(w->id, sizeof w->id, "preview");
-    for (int i = 2; vv_collection_find(w->wish->world->datasets, w->id); i++)
-        snprintf(w->id, sizeof w->id, "preview-%d", i);
-    const vv_status st = vv_path_add(&root, "datasets", w->id, w->wish->recipe, NULL);
-    w->world = (vv_world *)(void *)root;
-    return st;
-}
 
 static vv_status fail_unseen(const work *w)
 {
@@ -225,20 +211,20 @@ static bool keeps_values(const work *w)
 
 static vv_status put_data(work *w, vv_object **root)
 {
-    char path[PATH_ROOM], name[ID_ROOM + 2];
+    char path[PATH_ROOM], name[PATH_ROOM];
     vv_object *data = NULL;
     vv_status st = VV_OK;
     if (!w->out->whole) {
         st = vv_object_new(&data, &vv_dataset_class, NULL);
         if (st == VV_OK)
             st = vvi_dataset_attach((vv_dataset *)(void *)data, w->field);
-        snprintf(path, sizeof path, "datasets.%s", w->id);
+        snprintf(path, sizeof path, "datasets.%.128s", w->id);
         if (st == VV_OK)
             st = vv_path_put(root, path, data, NULL);
         vv_object_release(data);
     }
     snprintf(path, sizeof path, "volumes.%.128s.data", w->wish->volume);
-    snprintf(name, sizeof name, "\"%s\"", w->id);
+    snprintf(name, sizeof name, "\"%.128s\"", w->id);
     return st == VV_OK ? vv_path_set(root, path, name, NULL) : st;
 }
 
@@ -346,11 +332,10 @@ static vv_status make(work *w)
 
 vv_status vvi_preview_make(vvi_preview *out, const vvi_preview_wish *wish, vv_job *job)
 {
-    work w = {.wish = wish, .out = out, .place = vv_affine_identity(), .job = job};
+    work w = {
+        .wish = wish, .out = out, .id = wish->made, .world = wish->world, .place = vv_affine_identity(), .job = job};
     *out = (vvi_preview){0};
-    vv_status st = add_recipe(&w);
-    if (st == VV_OK)
-        st = vv_scene_resolve(&w.scene, w.world, wish->view, job);
+    vv_status st = vv_scene_resolve(&w.scene, w.world, wish->view, job);
     if (st == VV_OK)
         st = find_actor(&w);
     if (st == VV_OK)

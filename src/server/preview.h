@@ -9,10 +9,10 @@
 
 /** What is wanted. All is borrowed. */
 typedef struct vvi_preview_wish {
-    const vv_world *world; /**< its view has its size and its camera */
+    vv_world *world; /**< its view has its size and its camera */
     const char *view;
     const char *volume;   /**< whose data the first input is, and in whose place the result is drawn */
-    const char *recipe;   /**< JSON of a dataset with an operation */
+    const char *made;     /**< id of the dataset that would be made, which nothing shows */
     bool whole;           /**< all of it, where parts cannot be made, however large that is */
     double part_s;        /**< about how long a part may take, seconds */
     uint64_t whole_most;  /**< voxels and triangles of the inputs that are worked on as a whole without being asked */
@@ -33,7 +33,7 @@ typedef struct vvi_preview {
     double before, after;
 } vvi_preview;
 
-/** Errors: those of the operation, with paths below datasets.preview (VVI_PREVIEW_ID); VV_E_NOT_FOUND (no such volume);
+/** Errors: those of the operation, with paths; VV_E_NOT_FOUND (no such volume);
  * VV_E_ARGUMENT (nothing of it is seen in this view). *out is for vvi_preview_finish(), also on failure. */
 vv_status vvi_preview_make(vvi_preview *out, const vvi_preview_wish *wish, vv_job *job);
 void vvi_preview_finish(vvi_preview *preview);

@@ -78,15 +78,13 @@ static void put(vvi_recording *r, json_t *line)
     r->all_lost += !fine;
 }
 
-void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings, const char *files,
-                         int64_t results)
+void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings, const char *files)
 {
     char *scene = NULL;
     json_t *rows = r ? json_loads(bindings, 0, NULL) : NULL;
     if (r && vv_scene_print(&scene, world, NULL) == VV_OK)
-        put(r,
-            json_pack("{s:i, s:o, s:O, s:s?, s:I}", VVI_RECORDING_HEAD, 1, "world", json_loads(scene, 0, NULL),
-                      "bindings", json_object_get(rows, "bindings"), "files", files, "results", (json_int_t)results));
+        put(r, json_pack("{s:i, s:o, s:O, s:s?}", VVI_RECORDING_HEAD, 1, "world", json_loads(scene, 0, NULL),
+                         "bindings", json_object_get(rows, "bindings"), "files", files));
     json_decref(rows);
     free(scene);
 }

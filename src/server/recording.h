@@ -3,7 +3,7 @@
  * same World. A line of JSON each:
  *
  *     {"volvis session": 1, "world": {...}, "bindings": {...},  the World at first, what is bound,
- *      "files": "...", "results": 0}                            where results are written, how many there were
+ *      "files": "..."}                                          where samples are written
  *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
  *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
  *     {"t": 9000, "page": 1, "stands": {"eye": [...], ...}}      its camera was worked out
@@ -29,9 +29,8 @@ vv_status vvi_recording_close(vvi_recording *recording);
 /** A sentence why the last lines are not there, yours to free(); NULL: all are. The file tells how many are missing as
  * soon as it can be written again. */
 char *vvi_recording_problem(const vvi_recording *recording);
-/** bindings: JSON of input/bindings.h; files: the folder of results (NULL: none), of which there are so many. */
-void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files,
-                         int64_t results);
+/** bindings: JSON of input/bindings.h; files: the folder of samples (NULL: none). */
+void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files);
 /** what: "joins" or "leaves". Recording NULL: nothing. */
 void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
 /** A job that changes the World, the `job`-th that was asked for, has ended. */
@@ -42,7 +41,7 @@ void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, co
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, json_t *message);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
- * files_root: in a new folder below it results are written again; NULL: nowhere. keeps: those that the World shows stay
+ * files_root: in a new folder below it samples are written again; NULL: nowhere. keeps: those that the World shows stay
  * there, else none. Errors: VV_E_FORMAT with the line. */
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
                              const char *files_root, bool keeps, vv_job *job);

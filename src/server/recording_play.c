@@ -17,7 +17,7 @@
 
 #define AFTER (INT64_C(1000) * 1000000)        /* what comes to rest does so within this */
 #define TIME_MOST INT64_C(1000000000000000000) /* 31 years since the machine was started */
-enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000, RESULTS_MOST = 1000000 };
+enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000 };
 
 static bool is_vector(vv_vec3 *out, const json_t *v)
 {
@@ -110,9 +110,9 @@ static bool is_one_of(const json_t *message, const char *const *types)
     return false;
 }
 
-/* Results of this player, which pages spoke of by where they were when it was recorded. What was there before it began
+/* Samples of this player, which pages spoke of by where they were when it was recorded. What was there before it began
  * is where it was. */
-static void name_results(const player *p, json_t *value)
+static void name_samples(const player *p, json_t *value)
 {
     const size_t n = p->files ? strlen(p->files) : 0;
     const char *text = json_string_value(value), *key;
@@ -124,8 +124,8 @@ static void name_results(const player *p, json_t *value)
             json_string_set(value, here);
         free(here);
     }
-    json_object_foreach(value, key, part) name_results(p, part);
-    json_array_foreach(value, i, part) name_results(p, part);
+    json_object_foreach(value, key, part) name_samples(p, part);
+    json_array_foreach(value, i, part) name_samples(p, part);
 }
 
 /* What asks changes no World; what makes pictures and files of it has only seen to it that views stay as they are. */
@@ -140,7 +140,7 @@ static vv_status say(player *p, vvi_client *client, json_t *message)
         return vvi_session_fix_views(p->session);
     if (!is_one_of(message, changes))
         return VV_OK;
-    name_results(p, message);
+    name_samples(p, message);
     char *text = json_dumps(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         return vv_fail_memory(1024);
@@ -218,22 +218,18 @@ static vv_status bind(const player *p, json_t *rows)
     return st == VV_OK ? st : vv_fail_in(st, "%s:line 1", p->path);
 }
 
-/* A recording may come from anybody: what operations make goes into a new folder, whatever folder it names. */
-static vv_status make_results(player *p, const json_t *line)
+/* A recording may come from anybody: what is written goes into a new folder, whatever folder it names. */
+static vv_status make_folder(player *p, const json_t *line)
 {
     const char *files = json_string_value(json_object_get(line, "files"));
-    const json_t *results = json_object_get(line, "results");
-    const json_int_t n = json_integer_value(results);
-    if (results && (!json_is_integer(results) || n < 0 || n > RESULTS_MOST))
-        return fail_line(p, "'results' is a whole number from 0 to 1000000");
     if (!files || !p->files_root)
         return VV_OK;
     char *folder = vvi_asprintf("%s/replay-XXXXXX", p->files_root);
     vv_status st = folder ? vvi_files_make_path(p->files_root) : vv_fail_memory(strlen(files));
     if (st == VV_OK && !mkdtemp(folder))
-        st = vv_fail_at(VV_E_WRITE, p->files_root, NULL, "cannot make a folder for results: %s", strerror(errno));
+        st = vv_fail_at(VV_E_WRITE, p->files_root, NULL, "cannot make a folder for samples: %s", strerror(errno));
     if (st == VV_OK)
-        st = vvi_session_make_results(p->session, folder, n);
+        st = vvi_session_write_below(p->session, folder);
     if (st == VV_OK && !(p->files = vvi_strdup(files)))
         st = vv_fail_memory(strlen(files));
     free(folder);
@@ -252,7 +248,7 @@ static vv_status begin(player *p, const json_t *line)
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);
     if (st == VV_OK &&
-        ((st = bind(p, json_object_get(line, "bindings"))) != VV_OK || (st = make_results(p, line)) != VV_OK))
+        ((st = bind(p, json_object_get(line, "bindings"))) != VV_OK || (st = make_folder(p, line)) != VV_OK))
         vv_object_release(&world->base);
     if (st == VV_OK) {
         st = vvi_session_begin(p->session, world);

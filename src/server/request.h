@@ -19,12 +19,13 @@ typedef struct vvi_request_task {
     char *path, *name; /**< whatever the request needs of these */
     bool add;
     bool own_folder; /**< its path is in one that is its alone */
+    bool changes;    /**< the World, when it has ended */
     bool replace;    /**< a file that is there may be written over */
     bool whole;      /**< of a preview: all of the data, however large */
     bool exists;     /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
-    vv_object *params;
+    vv_object *params; /**< of a measurement */
     char *dataset, *parameters;
     char *inputs;           /**< of the operation, beside the dataset: {"values": "ct"}; NULL: none */
     char *note;             /**< what whoever asked should know of what was done; NULL: nothing */
@@ -48,32 +49,33 @@ vv_status vvi_request_add_slow(vvi_request *request);
 vv_status vvi_request_put_bytes(vvi_result *out, const char *key, const char *type, const uint8_t *bytes, size_t n);
 /** {"text": ...} as the value of the answer; takes the text. */
 void vvi_request_tell_text(vvi_request *request, vvi_text *text);
-/** Of the file that an operation's result is written to: ".nrrd" and ".ply", or that of the dataset's own format, where
- * that alone keeps what the file says. */
-vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_world *world,
-                             const vv_dataset *dataset, vv_job *job);
-/** The parameters of an operation on a dataset, read as its files say what a length or a voxel is. *out is yours;
- * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
-vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
-                                 const vv_world *world, const vv_dataset *dataset, const vv_registry *registry,
-                                 vv_job *job);
 /** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
  * must be. */
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
-/** Names that people gave inputs become the parameter of them (vv_operand.names). */
-vv_status vvi_request_name_inputs(vvi_request *request);
+/** And of its parameters: VV_E_ARGUMENT (no object), VV_E_LIMIT. */
+vv_status vvi_request_take_parameters(vvi_request *request, const json_t *message);
 
-enum { VVI_REQUEST_INPUTS = 16 };
+enum { VVI_REQUEST_ID = 64 };
 
-/** Inputs of an operation, opened; zeroed is valid to close. */
-typedef struct vvi_request_inputs {
-    vv_run_input input[VVI_REQUEST_INPUTS];
-    size_t n;
-} vvi_request_inputs;
-
-/** Those that the request names, of its World, in the order of the row's operands. */
-vv_status vvi_request_open_inputs(vvi_request_inputs *out, const vvi_request *request, vv_job *job);
-void vvi_request_close_inputs(vvi_request_inputs *inputs);
+/** The dataset that r->operation would make: {"operation": ..., "inputs": ..., "parameters": ...}, yours; NULL: no
+ * memory. */
+json_t *vvi_request_recipe(const vvi_request *request);
+/** The request's World with that dataset, as `id`; *out is yours, also on failure. */
+vv_status vvi_request_make_world(vv_world **out, const vvi_request *request, const char *id);
+/** An id of a dataset that is not there yet: "wanted", "wanted-2". */
+void vvi_request_free_id(char out[VVI_REQUEST_ID], const vv_world *world, const char *wanted);
+/** An error of that dataset, which nobody has heard of, as one of what was asked. */
+vv_status vvi_request_fail_made(const char *id, vv_status status);
+/** What the job was told of its work, for whoever asked. */
+void vvi_request_take_notes(vvi_request *request, const vv_job *job);
+/** Where a page wants a file, as the request's path: a name that may be new in a folder below the root, and not among
+ * what the session writes. said: as the page has it; path: with the suffix, where that is added. VV_E_ARGUMENT,
+ * VV_E_NOT_FOUND. */
+vv_status vvi_request_take_place(vvi_request *request, const char *said, const char *path);
+/** VV_E_WRITE, and request->exists: there is such a file, which may not be replaced. */
+vv_status vvi_request_check_exists(vvi_request *request);
+/** {"path": ...} as the value of the answer: where the file is, from the root; with the note, where there is one. */
+void vvi_request_tell_path(vvi_request *request);
 /** The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
 vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */

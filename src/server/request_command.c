@@ -1,6 +1,7 @@
 /* What was done, as command lines that do it again: the operations that made the data, then the picture. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/format.h"
 #include "model/context.h"
 #include "model/merge.h"
 #include "run/made.h"
@@ -91,13 +92,6 @@ static void put_made(vvi_text *out, const char *id, const char *suffix)
     quote(out, name);
 }
 
-static const char *suffix_of(const vv_dataset *dataset, vv_job *job)
-{
-    const char *path = dataset->path, *slash = path ? strrchr(path, '/') : NULL;
-    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
-    return dot ? dot : !path && vv_dataset_is_mesh(dataset, job) ? ".ply" : ".nrrd";
-}
-
 /* The id, as the World has it, of the first input: as `source` says it, or among the inputs by name. NULL: none. */
 static const char *source_of(const vv_world *world, const vv_dataset *d, const vv_operation *operation)
 {
@@ -127,31 +121,70 @@ static const vv_operation *made_by(const vv_world *world, const vv_dataset *data
     return has_data(find_dataset(world, source)) ? operation : NULL;
 }
 
+/* What lines take for a dataset: of one whose operation is switched off its first input. */
+static const char *behind(const vv_world *world, const char *id, const vv_registry *registry)
+{
+    for (int i = 0; i < STEPS_MOST; i++) {
+        const vv_dataset *dataset = find_dataset(world, id);
+        const vv_operation *operation =
+            dataset && vv_dataset_is_made(dataset) && !dataset->on ? made_by(world, dataset, registry) : NULL;
+        if (!operation)
+            break;
+        id = source_of(world, dataset, operation);
+    }
+    return id;
+}
+
+/* The file that it all began with; NULL: there is none. */
+static const vv_dataset *origin_of(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
+{
+    for (int i = 0; i < STEPS_MOST && dataset && !dataset->path; i++) {
+        const vv_operation *operation = made_by(world, dataset, registry);
+        dataset = operation ? find_dataset(world, source_of(world, dataset, operation)) : NULL;
+    }
+    return dataset && dataset->path ? dataset : NULL;
+}
+
+/* Samples go back into a format that alone keeps what their file says. */
+static const char *suffix_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
+{
+    const char *path = dataset->path, *slash = path ? strrchr(path, '/') : NULL;
+    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
+    const vv_format *format = NULL;
+    if (dot)
+        return dot;
+    if (!path && vv_dataset_is_mesh(dataset, job))
+        return ".ply";
+    const vv_registry *registry = vvi_job_registry(job);
+    const vv_dataset *origin = origin_of(world, dataset, registry);
+    if (origin && origin->format)
+        format = vv_registry_format(registry, origin->format);
+    else if (origin && vvi_format_of_output(&format, origin->path, registry) != VV_OK)
+        format = NULL;
+    return format && format->takes_origin && format->write ? format->suffixes[0] : ".nrrd";
+}
+
 /* The file of a dataset as a word of the line that comes now. */
 static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
+    id = behind(world, id, vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(world, id);
     if (made_by(world, dataset, vvi_job_registry(job))) {
-        put_made(out, id, suffix_of(dataset, job));
+        put_made(out, id, suffix_of(world, dataset, job));
         return;
     }
     quote(out, dataset->path ? dataset->path : id);
     put_reading(out, dataset);
 }
 
-typedef struct step {
-    const vv_operation *operation;
-    const char *source, *parameters, *inputs;
-    const vv_dataset *made; /* whose recipe it is; NULL: what was asked for, or made a file */
-} step;
-
 /* NAME=FILE:PART, since options of reading are of the first. */
 static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id, vv_job *job)
 {
+    id = behind(world, id, vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(world, id);
     vvi_text_printf(out, " %s=", name);
     if (made_by(world, dataset, vvi_job_registry(job))) {
-        put_made(out, id, suffix_of(dataset, job));
+        put_made(out, id, suffix_of(world, dataset, job));
         return;
     }
     quote(out, dataset->path ? dataset->path : id);
@@ -195,33 +228,31 @@ static vv_status visit_other(void *user, const char *name, const char *id)
     return VV_OK;
 }
 
-static vv_status step_params(vv_object **out, const vv_world *world, const step *s, vv_job *job)
+/* As its recipe says it; names of inputs are said by the inputs. */
+static vv_status step_params(vv_object **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vvi_made made;
-    if (!s->made)
-        return vvi_request_parameters(out, s->operation, s->parameters, world, find_dataset(world, s->source),
-                                      vvi_job_registry(job), job);
-    vv_status st = vvi_made_open(&made, world, s->made, job);
-    if (st == VV_OK && (st = vvi_made_params(out, &made, job)) == VV_OK && s->operation->inputs[0].names)
-        st = vv_path_unset(out, s->operation->inputs[0].names, NULL); /* the inputs say it */
+    vv_status st = vvi_made_open(&made, world, dataset, job);
+    if (st == VV_OK && (st = vvi_made_params(out, &made, job)) == VV_OK && made.operation->inputs[0].names)
+        st = vv_path_unset(out, made.operation->inputs[0].names, NULL);
     vvi_made_close(&made);
     return st;
 }
 
-static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, const char *id, const char *suffix,
-                          vv_job *job)
+/* The line that makes a dataset. */
+static vv_status put_step(const making *m, const vv_operation *operation, const vv_dataset *dataset, const char *id)
 {
     vv_object *params = NULL;
-    vv_status st = step_params(&params, world, s, job);
+    vv_status st = step_params(&params, m->world, dataset, m->job);
     if (st == VV_OK) {
-        vvi_text_printf(out, "volvis %s ", s->operation->name);
-        if (!s->operation->inputs[0].names || !s->inputs)
-            put_input(out, world, s->source, job);
-        st = for_others(s->inputs, visit_other, &(making){out, world, 0, job, s->operation});
+        vvi_text_printf(m->out, "volvis %s ", operation->name);
+        if (!operation->inputs[0].names || !dataset->inputs)
+            put_input(m->out, m->world, source_of(m->world, dataset, operation), m->job);
+        st = for_others(dataset->inputs, visit_other, &(making){m->out, m->world, 0, m->job, operation});
     }
-    if (st == VV_OK && (st = put_options(out, params)) == VV_OK) {
-        vvi_text_add(out, " -o ");
-        put_made(out, id, suffix);
+    if (st == VV_OK && (st = put_options(m->out, params)) == VV_OK) {
+        vvi_text_add(m->out, " -o ");
+        put_made(m->out, id, suffix_of(m->world, dataset, m->job));
     }
     vv_object_release(params);
     return st;
@@ -248,20 +279,19 @@ static vv_status visit_making(void *user, const char *name, const char *id)
 /* The lines that make a dataset of those that were not made here, the first one first; none where it is such a one. */
 static vv_status put_making_of(making *m, const char *id)
 {
+    id = behind(m->world, id, vvi_job_registry(m->job));
     const vv_dataset *d = find_dataset(m->world, id);
     const vv_operation *operation = d ? made_by(m->world, d, vvi_job_registry(m->job)) : NULL;
-    if (!operation || is_put(m->out, id, suffix_of(d, m->job)))
+    if (!operation || is_put(m->out, id, suffix_of(m->world, d, m->job)))
         return VV_OK;
     if (m->depth == STEPS_MOST) /* a scene may name datasets in a ring */
         return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
-    const step s = {operation, source_of(m->world, d, operation), d->parameters, d->inputs,
-                    vv_dataset_is_made(d) ? d : NULL};
     m->depth++;
-    vv_status st = put_making_of(m, s.source);
+    vv_status st = put_making_of(m, source_of(m->world, d, operation));
     if (st == VV_OK)
         st = for_others(d->inputs, visit_making, m);
     m->depth--;
-    if (st != VV_OK || (st = put_step(m->out, m->world, &s, id, suffix_of(d, m->job), m->job)) != VV_OK)
+    if (st != VV_OK || (st = put_step(m, operation, d, id)) != VV_OK)
         return st;
     vvi_text_add(m->out, "\n");
     return VV_OK;
@@ -272,25 +302,26 @@ static vv_status put_making(vvi_text *out, const vv_world *world, const char *id
     return put_making_of(&(making){out, world, 0, job, NULL}, id);
 }
 
-/* An operation that is about to be run. */
+/* An operation that is about to be run: the lines of the dataset that it would make. */
 static vv_status run_operation_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_dataset *dataset = find_dataset(r->world, r->dataset);
-    const step s = {r->operation, r->dataset, r->parameters, r->inputs, NULL};
+    char id[VVI_REQUEST_ID];
+    vv_world *world = NULL;
     vvi_text text = {0};
-    if (!has_data(dataset))
+    if (!has_data(find_dataset(r->world, r->dataset)))
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
-    const char *suffix;
-    vv_status st = vvi_request_suffix(&suffix, r->operation, r->world, dataset, job);
-    making lines = {&text, r->world, 0, job, NULL};
-    if (st == VV_OK && (st = put_making_of(&lines, r->dataset)) == VV_OK &&
-        (st = for_others(r->inputs, visit_making, &lines)) == VV_OK)
-        st = put_step(&text, r->world, &s, "result", suffix, job);
+    vvi_request_free_id(id, r->world, "result");
+    vv_status st = vvi_request_make_world(&world, r, id);
     if (st == VV_OK)
+        st = put_making(&text, world, id, job);
+    if (st == VV_OK && text.n > 0) {
+        text.s[--text.n] = 0; /* the last line ends here */
         vvi_request_tell_text(r, &text);
+    }
     vvi_text_free(&text);
-    return st;
+    vv_object_release(&world->base);
+    return vvi_request_fail_made(id, st);
 }
 
 /* The picture ----------------------------------------------------------------------------------------------------- */
@@ -301,6 +332,7 @@ typedef struct comparing {
     char whole[256];  /* a list or map that was set as a whole: what is below it is told already */
     const char *view; /* that the picture is of: the line's main one */
     const char *file; /* what the file's name makes of the dataset's id */
+    const char *own;  /* what the dataset is called in `before` */
     bool beyond;      /* something that no options of this line say */
 } comparing;
 
@@ -330,14 +362,14 @@ static bool path_there(char there[PATH_MOST], char typed[PATH_MOST], const compa
         return true;
     }
     const char *id = path + 8, *rest = id + strcspn(id, ".");
-    const size_t n = (size_t)(rest - id), file = strlen(c->before->datasets->entry[0].id);
+    const size_t n = (size_t)(rest - id), own = strlen(c->own);
     while (at < mine->n && (strncmp(mine->entry[at].id, id, n) != 0 || mine->entry[at].id[n] != 0))
         at++;
     if (at >= theirs->n)
         return false;
     const char *other = theirs->entry[at].id; /* "name" or "name_0" */
     snprintf(there, PATH_MOST, "volumes.%s%s", other, rest);
-    snprintf(typed, PATH_MOST, "volumes.%s%s%s", c->file, strlen(other) < file ? "" : other + file, rest);
+    snprintf(typed, PATH_MOST, "volumes.%s%s%s", c->file, strlen(other) < own ? "" : other + own, rest);
     return true;
 }
 
@@ -417,7 +449,8 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
     if (st != VV_OK)
         return st;
     comparing c = {.now = r->world, .before = before, .out = text, .view = r->view};
-    c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : before->datasets->entry[0].id;
+    c.own = vv_dataset_is_made(dataset) ? id : before->datasets->entry[0].id;
+    c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : c.own;
     vvi_text_add(text, "volvis render ");
     put_input(text, r->world, id, job);
     vvi_text_add(text, " -o picture.png");
@@ -430,7 +463,7 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
 static vv_status run_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const char *id = only_shown(r->world);
+    const char *id = behind(r->world, only_shown(r->world), vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(r->world, id);
     vvi_text text = {0};
     bool beyond = !has_data(dataset);
@@ -464,15 +497,13 @@ static vv_status size_world(vvi_request *r, const vvi_client *client)
 static vv_status take_operation(vvi_request *r, const json_t *message)
 {
     const char *name = json_string_value(json_object_get(message, "operation"));
-    const json_t *parameters = json_object_get(message, "parameters");
     if (!name)
         return vv_fail(VV_E_ARGUMENT, "'command' of an operation needs an operation and a dataset");
     r->operation = vv_registry_operation(vv_runtime_registry(r->session->options.runtime), name);
     if (!r->operation)
         return VV_E_NOT_FOUND;
-    r->parameters =
-        parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
-    return r->parameters || !parameters ? vvi_request_take_inputs(r, message) : vv_fail_memory(256);
+    const vv_status st = vvi_request_take_parameters(r, message);
+    return st == VV_OK ? vvi_request_take_inputs(r, message) : st;
 }
 
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)

@@ -11,7 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
@@ -150,7 +149,7 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
         return st;
     r->add = json_is_true(json_object_get(message, "add")) && r->world->volumes->n > 0;
     r->task.done = done_open;
-    r->task.stays = true;
+    r->changes = r->task.stays = true;
     if ((st = vvi_files_resolve_part(&r->path, &r->name, client->session, path)) != VV_OK) {
         r->task.drop(&r->task);
         return st;
@@ -192,7 +191,7 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
     if (st != VV_OK)
         return st;
     r->task.done = done_open;
-    r->task.stays = true;
+    r->changes = r->task.stays = true;
     r->name = vvi_strdup(name);
     st = vvi_files_own_folder(&folder, client->session, "samples");
     r->path = st == VV_OK ? vvi_asprintf("%s/%s.nrrd", folder, name) : NULL;
@@ -210,16 +209,10 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
 static vv_status run_save(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    struct stat info;
-    r->exists = !r->replace && lstat(r->path, &info) == 0;
-    if (r->exists)
-        return vv_fail(VV_E_WRITE, "%s already exists, and is left as it is", strrchr(r->path, '/') + 1);
-    const vv_status st = vv_scene_write(r->path, r->world, job);
-    if (st == VV_OK) {
+    vv_status st = vvi_request_check_exists(r);
+    if (st == VV_OK && (st = vv_scene_write(r->path, r->world, job)) == VV_OK) {
         vvi_files_keep(r->session, r->world);
-        vvi_result_open(&r->value, NULL, '{');
-        vvi_result_string(&r->value, "path", vvi_files_from_root(r->session, r->path));
-        vvi_result_close(&r->value, '}');
+        vvi_request_tell_path(r);
     }
     return st;
 }
@@ -227,33 +220,9 @@ static vv_status run_save(vvi_task *task, vv_job *job)
 static void done_save(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_client *client = vvi_session_find(r->session, r->serial);
     if (st == VV_OK)
         vvi_session_shows(r->session, r->path);
-    if (!r->exists)
-        vvi_request_answer(r, st);
-    else if (client)
-        vvi_client_refuse_for(client, r->id, "exists");
-}
-
-/* What the server writes goes when it ends. */
-static vv_status check_place(const vvi_session *s, const char *path)
-{
-    const size_t n = s->uploads ? strlen(s->uploads) : 0;
-    if (!n || strncmp(path, s->uploads, n) != 0 || path[n] != '/')
-        return VV_OK;
-    return vv_fail(VV_E_ARGUMENT,
-                   "a scene cannot be saved among the uploads and results of this session, since they are "
-                   "deleted when the server ends; choose another folder");
-}
-
-/* ".vv.json" behind nothing would be a name, and a hidden one. */
-static vv_status check_name(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    if (*name && strcmp(name, ".") != 0 && strcmp(name, "..") != 0)
-        return VV_OK;
-    return vv_fail(VV_E_ARGUMENT, "'%.200s' is a folder; expected the name of a file, as in scene.vv.json", path);
+    vvi_request_answer(r, st);
 }
 
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message)
@@ -262,16 +231,12 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!path || !*path)
         return vv_fail(VV_E_ARGUMENT, "'save' needs a path");
-    vv_status st = check_name(path);
-    if (st == VV_OK)
-        st = vvi_session_fix_views(client->session);
+    vv_status st = vvi_session_fix_views(client->session);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;
     char *full = vvi_files_is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
-    st = full ? vvi_files_resolve(&r->path, client->session, full, true) : vv_fail_memory(strlen(path));
+    st = full ? vvi_request_take_place(r, path, full) : vv_fail_memory(strlen(path));
     free(full);
-    if (st == VV_OK)
-        st = check_place(client->session, r->path);
     if (st != VV_OK) {
         r->task.drop(&r->task);
         return st;

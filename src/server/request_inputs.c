@@ -1,12 +1,15 @@
-/* The inputs of an operation on data of the World: what a message says of them, and the data themselves. */
+/* An operation on data of the World: what a message says of it, and the World with the dataset that it would make. */
 #include "core/memory.h"
-#include "model/context.h"
+#include "core/status.h"
 #include "model/dataset.h"
 #include "scene/load.h"
 #include "server/request.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { INPUTS_MOST = 16 }; /* as a run takes */
 
 /* Messages --------------------------------------------------------------------------------------------------------- */
 
@@ -44,9 +47,9 @@ static vv_status check_inputs(const vv_operation *operation, json_t *inputs)
     json_t *value;
     if (!json_is_object(inputs))
         return vv_fail(VV_E_ARGUMENT, "'inputs' must be an object: {\"values\": \"ct\"}");
-    if (json_object_size(inputs) >= VVI_REQUEST_INPUTS)
+    if (json_object_size(inputs) >= INPUTS_MOST)
         return vv_fail(VV_E_LIMIT, "'inputs' has %zu entries; %d are the most", json_object_size(inputs),
-                       VVI_REQUEST_INPUTS - 1);
+                       INPUTS_MOST - 1);
     json_object_foreach(inputs, name, value)
     {
         if (!json_is_string(value))
@@ -79,30 +82,19 @@ vv_status vvi_request_take_inputs(vvi_request *r, const json_t *message)
     return vv_fail(VV_E_LIMIT, "the inputs are %zu bytes long: at most %.0f are allowed", strlen(r->inputs), most);
 }
 
-/* "a,b": of a property of the parameters; without others the dataset is a. */
-static char *names_of(const char *inputs)
+vv_status vvi_request_take_parameters(vvi_request *r, const json_t *message)
 {
-    const char *name;
-    json_t *id, *all = inputs ? json_loads(inputs, 0, NULL) : NULL;
-    vvi_text text = {0};
-    vvi_text_add(&text, "\"");
-    if (json_object_size(all) == 0)
-        vvi_text_add(&text, "a");
-    json_object_foreach(all, name, id) vvi_text_printf(&text, "%s%s", text.n > 1 ? "," : "", name);
-    vvi_text_add(&text, "\"");
-    json_decref(all);
-    return vvi_text_take(&text);
-}
-
-vv_status vvi_request_name_inputs(vvi_request *r)
-{
-    const vv_operand *operand = named_operand(r->operation);
-    if (!operand)
+    const json_t *parameters = json_object_get(message, "parameters");
+    const double most = vv_class_find(&vv_dataset_class, "parameters")->max;
+    if (parameters && !json_is_object(parameters))
+        return vv_fail(VV_E_ARGUMENT, "expected an object of parameters, as in {\"sigma\": \"1mm\"}");
+    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
+    if (!r->parameters)
+        return vv_fail_memory(256);
+    if ((double)strlen(r->parameters) <= most)
         return VV_OK;
-    char *names = names_of(r->inputs);
-    const vv_status st = names ? vv_path_set(&r->params, operand->names, names, NULL) : vv_fail_memory(64);
-    free(names);
-    return st;
+    return vv_fail(VV_E_LIMIT, "the parameters are %zu bytes long: at most %.0f are allowed", strlen(r->parameters),
+                   most);
 }
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
@@ -114,111 +106,66 @@ vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv
     return there ? vvi_dataset_open(out, world, dataset, job) : VV_OK;
 }
 
-void vvi_request_close_inputs(vvi_request_inputs *inputs)
+/* What would be made ----------------------------------------------------------------------------------------------- */
+
+/* The dataset is the first input; of those that people name it is among the others, or all there is. */
+static json_t *inputs_of(const vvi_request *r)
 {
-    for (size_t i = 0; i < inputs->n; i++) {
-        vv_field_release((vv_field *)(uintptr_t)inputs->input[i].field);
-        vv_mesh_release((vv_mesh *)(uintptr_t)inputs->input[i].mesh);
-        vv_file_close(inputs->input[i].file);
-    }
-    *inputs = (vvi_request_inputs){.n = 0};
+    const vv_operand *first = r->operation->inputs;
+    json_t *inputs = json_object(), *others = r->inputs ? json_loads(r->inputs, 0, NULL) : NULL;
+    if (!first->names)
+        json_object_set_new(inputs, first->name, json_string(r->dataset));
+    json_object_update(inputs, others);
+    if (first->names && json_object_size(inputs) == 0)
+        json_object_set_new(inputs, "a", json_string(r->dataset));
+    json_decref(others);
+    return inputs;
 }
 
-static const char *word_of(unsigned is)
+json_t *vvi_request_recipe(const vvi_request *r)
 {
-    return is == VV_IS_MESH ? "a mesh" : is == VV_IS_FIELD ? "a volume" : "a volume or a mesh";
+    json_t *recipe = json_pack("{s:s, s:o}", "operation", r->operation->name, "inputs", inputs_of(r));
+    json_t *parameters = r->parameters ? json_loads(r->parameters, 0, NULL) : NULL;
+    if (json_object_size(parameters) > 0)
+        json_object_set(recipe, "parameters", parameters);
+    json_decref(parameters);
+    return recipe;
 }
 
-/* What is shown is in memory; of a series all time steps go through, where samples are made of it. */
-static vv_status open_data(vv_run_input *out, const vv_world *world, const vv_dataset *dataset, bool series,
-                           vv_job *job)
+vv_status vvi_request_make_world(vv_world **out, const vvi_request *r, const char *id)
 {
-    vv_mesh *mesh = NULL;
-    vv_field *field = NULL;
-    if (vv_dataset_is_mesh(dataset, job)) {
-        const vv_status st = vv_dataset_mesh(&mesh, world, dataset, job);
-        out->mesh = mesh;
+    json_t *recipe = vvi_request_recipe(r);
+    char *text = recipe ? json_dumps(recipe, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    vv_object *root = vv_object_retain(&r->world->base);
+    const vv_status st = text ? vv_path_add(&root, "datasets", id, text, NULL) : vv_fail_memory(256);
+    *out = (vv_world *)(void *)root;
+    json_decref(recipe);
+    free(text);
+    return st;
+}
+
+void vvi_request_free_id(char out[VVI_REQUEST_ID], const vv_world *world, const char *wanted)
+{
+    snprintf(out, VVI_REQUEST_ID, "%.*s", VVI_REQUEST_ID - 8, wanted);
+    for (int i = 2; vv_collection_find(world->datasets, out) && i < 10000; i++)
+        snprintf(out, VVI_REQUEST_ID, "%.*s-%d", VVI_REQUEST_ID - 8, wanted, i);
+}
+
+/* Nobody has heard of the dataset that would be made: "datasets.ID.parameters.sigma" is "parameters.sigma". */
+vv_status vvi_request_fail_made(const char *id, vv_status st)
+{
+    vvi_error_copy error;
+    char place[VVI_REQUEST_ID + 16];
+    const size_t n = (size_t)snprintf(place, sizeof place, "datasets.%s", id);
+    const vv_error *last = vv_error_last();
+    if (st == VV_OK || st == VV_E_CANCELLED || last->file || !last->where || strncmp(last->where, place, n) != 0 ||
+        (last->where[n] && last->where[n] != '.'))
         return st;
-    }
-    vv_status st = vvi_request_open_origin(&out->file, world, dataset, job);
-    if (st == VV_OK && (!out->file || !series || vv_file_info(out->file)->n_frames == 1))
-        st = vv_dataset_field(&field, world, dataset, NULL, 0, job);
-    out->field = field;
-    return st;
-}
-
-/* Which lives as long as the World does. */
-static const char *own_name(const vv_collection *all, const vv_object *data)
-{
-    for (size_t i = 0; i < all->n; i++)
-        if (all->entry[i].object == data)
-            return all->entry[i].id;
-    return "";
-}
-
-static vv_status open_input(vvi_request_inputs *out, const vvi_request *r, const vv_operand *operand, const char *id,
-                            vv_job *job)
-{
-    const vv_collection *all = r->world->datasets;
-    const vv_object *data = vv_collection_find(all, id);
-    vv_run_input *input = &out->input[out->n];
-    if (!data)
-        return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' no longer exists", id);
-    const vv_dataset *dataset = (const vv_dataset *)(const void *)data;
-    const unsigned is = vv_dataset_is_mesh(dataset, job) ? VV_IS_MESH : VV_IS_FIELD;
-    if (!(is & operand->is))
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, and '%.64s' is %s", r->operation->name, word_of(operand->is), id,
-                       word_of(is));
-    *input = (vv_run_input){.frame = -1, .name = own_name(all, data)};
-    out->n++;
-    return open_data(input, r->world, dataset, vv_operation_makes(r->operation) == VV_IS_FIELD, job);
-}
-
-/* All of those that have names of their own, the dataset among them by any of them. */
-static vv_status open_named(vvi_request_inputs *out, const vvi_request *r, const vv_operand *operand, json_t *inputs,
-                            vv_job *job)
-{
-    const char *name;
-    json_t *id;
-    vv_status st = VV_OK;
-    if (json_object_size(inputs) == 0) {
-        return open_input(out, r, operand, r->dataset, job);
-    }
-    json_object_foreach(inputs, name, id)
-    {
-        if (st == VV_OK)
-            st = open_input(out, r, operand, json_string_value(id), job);
-    }
-    return st;
-}
-
-static vv_status open_all(vvi_request_inputs *out, const vvi_request *r, json_t *inputs, vv_job *job)
-{
-    vv_status st = VV_OK;
-    size_t gaps = 0;
-    for (const vv_operand *o = r->operation->inputs; o->name && st == VV_OK; o++) {
-        const char *id = o == r->operation->inputs ? r->dataset : json_string_value(json_object_get(inputs, o->name));
-        if (o->names)
-            return open_named(out, r, o, inputs, job);
-        if (!id) {
-            gaps++;
-            continue;
-        }
-        out->n += gaps;
-        gaps = 0;
-        st = open_input(out, r, o, id, job);
-    }
-    return st;
-}
-
-vv_status vvi_request_open_inputs(vvi_request_inputs *out, const vvi_request *r, vv_job *job)
-{
-    json_t *inputs = r->inputs ? json_loads(r->inputs, 0, NULL) : NULL;
-    *out = (vvi_request_inputs){.n = 0};
-    if (vv_operation_most(r->operation) > VVI_REQUEST_INPUTS)
-        return vv_fail(VV_E_UNSUPPORTED, "%s takes more inputs than the page has; use the command line",
-                       r->operation->name);
-    const vv_status st = open_all(out, r, inputs, job);
-    json_decref(inputs);
+    vvi_error_take(&error);
+    const char *property = error.where[n] ? error.where + n + 1 : NULL, *text = error.message;
+    if (strncmp(text, error.where, strlen(error.where)) == 0)
+        text += strlen(error.where) + strspn(text + strlen(error.where), ": ");
+    st = vv_fail_at(st, NULL, property, "%s", text);
+    vvi_error_copy_free(&error);
     return st;
 }

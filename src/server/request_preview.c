@@ -60,19 +60,25 @@ static vv_status put_preview(vvi_result *out, const vvi_preview *p, vv_job *job)
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vvi_preview_wish wish = {.world = r->world,
+    vv_world *world = NULL;
+    char id[VVI_REQUEST_ID];
+    vvi_request_free_id(id, r->world, "preview");
+    vv_status st = vvi_request_make_world(&world, r, id);
+    const vvi_preview_wish wish = {.world = world,
                                    .view = r->view,
                                    .volume = r->name,
-                                   .recipe = r->parameters,
+                                   .made = id,
                                    .whole = r->whole,
                                    .part_s = PART_SECONDS,
                                    .whole_most = WHOLE_MOST,
                                    .samples_most = SAMPLES_MOST};
-    vvi_preview preview;
-    vv_status st = vvi_preview_make(&preview, &wish, job);
+    vvi_preview preview = {0};
+    if (st == VV_OK)
+        st = vvi_request_fail_made(id, vvi_preview_make(&preview, &wish, job));
     if (st == VV_OK)
         st = put_preview(&r->value, &preview, job);
     vvi_preview_finish(&preview);
+    vv_object_release(&world->base);
     return st;
 }
 
@@ -86,26 +92,6 @@ static void done(vvi_task *task, vv_status st)
 }
 
 /* Question --------------------------------------------------------------------------------------------------------- */
-
-static json_t *inputs_of(const vvi_request *r)
-{
-    json_t *inputs = r->inputs ? json_loads(r->inputs, 0, NULL) : json_object();
-    const vv_operand *first = r->operation->inputs;
-    if (first->name && (!first->names || json_object_size(inputs) == 0))
-        json_object_set_new(inputs, first->names ? "a" : first->name, json_string(r->dataset));
-    return inputs;
-}
-
-/* The dataset as `run` would add it. */
-static vv_status take_recipe(vvi_request *r, const json_t *parameters)
-{
-    json_t *recipe = json_pack("{s:s, s:o}", "operation", r->operation->name, "inputs", inputs_of(r));
-    if (recipe && json_object_size(parameters) > 0)
-        json_object_set(recipe, "parameters", (json_t *)(uintptr_t)parameters);
-    r->parameters = recipe ? json_dumps(recipe, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    json_decref(recipe);
-    return r->parameters ? VV_OK : vv_fail_memory(256);
-}
 
 /* The volume that is named, else the first visible one of these data. */
 static vv_status take_volume(vvi_request *r, const char *name)
@@ -141,13 +127,10 @@ static vv_status size_world(vvi_request *r, const vvi_client *client)
 
 static vv_status take_message(vvi_request *r, const json_t *message, const vvi_client *client)
 {
-    const json_t *parameters = json_object_get(message, "parameters");
-    if (parameters && !json_is_object(parameters))
-        return vv_fail(VV_E_ARGUMENT, "'parameters' must be an object: {\"sigma\": \"1mm\"}");
     r->whole = json_is_true(json_object_get(message, "whole"));
     vv_status st = vvi_request_take_inputs(r, message);
     if (st == VV_OK)
-        st = take_recipe(r, parameters);
+        st = vvi_request_take_parameters(r, message);
     if (st == VV_OK)
         st = take_volume(r, json_string_value(json_object_get(message, "volume")));
     return st == VV_OK ? size_world(r, client) : st;

@@ -39,7 +39,7 @@ void vvi_request_answer(vvi_request *r, vv_status st)
     if (client && st == VV_OK)
         vvi_client_answer(client, r->id, value && *value ? value : NULL);
     else if (client)
-        vvi_client_refuse(client, r->id);
+        vvi_client_refuse_for(client, r->id, r->exists ? "exists" : NULL);
     free(value);
 }
 
@@ -112,7 +112,7 @@ vv_status vvi_request_add_quick(vvi_request *r)
 vv_status vvi_request_add_slow(vvi_request *r)
 {
     int64_t number;
-    const bool changes = r->task.stays;
+    const bool changes = r->changes;
     const vv_status st =
         vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
     if (st == VV_OK && changes) /* it is served, and freed, by this thread alone */

@@ -81,7 +81,7 @@ void vvi_session_begin_room(vvi_session *s)
 static uint64_t taken(const vvi_session *s)
 {
     const uint64_t all = weigh(s).all;
-    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming) + atomic_load(&s->planned);
+    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming);
 }
 
 static uint64_t left_of(const vvi_session *s, uint64_t used)
@@ -107,30 +107,14 @@ vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
     vvi_print_bytes(used, now);
     vvi_print_bytes(most, s->options.runtime->limits.session_bytes);
     if (now > s->options.runtime->limits.session_bytes || bytes > left_of(s, now))
-        return vv_fail(
-            VV_E_LIMIT,
-            "there is no room for %s more: results, uploads, samples and pictures of this session take %s of "
-            "%s; --limit session_bytes=N allows more, and a new session begins with none",
-            wanted, used, most);
+        return vv_fail(VV_E_LIMIT,
+                       "there is no room for %s more: uploads, samples and pictures of this session take %s of "
+                       "%s; --limit session_bytes=N allows more, and a new session begins with none",
+                       wanted, used, most);
     vvi_print_bytes(most, disk);
     return bytes <= disk ? VV_OK
                          : vv_fail(VV_E_LIMIT, "there is no room for %s more on the server's disk, which has %s for it",
                                    wanted, most);
-}
-
-vv_status vvi_session_keep_room(vvi_session *s, uint64_t bytes)
-{
-    pthread_mutex_lock(&s->room_lock);
-    const vv_status st = vvi_session_has_room(s, bytes);
-    if (st == VV_OK)
-        atomic_fetch_add(&s->planned, bytes);
-    pthread_mutex_unlock(&s->room_lock);
-    return st;
-}
-
-void vvi_session_give_room(vvi_session *s, uint64_t bytes)
-{
-    atomic_fetch_sub(&s->planned, bytes);
 }
 
 /* What can be seen ------------------------------------------------------------------------------------------------ */
@@ -192,7 +176,7 @@ static void remove_folder(const char *path)
     rmdir(path);
 }
 
-/* Results and uploads that neither the World names nor one that undo brings back. */
+/* Uploads, and results of older versions, that neither the World names nor one that undo brings back. */
 static void clear_unseen(const vvi_session *s)
 {
     candidates all = {.n = 0};

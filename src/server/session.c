@@ -44,17 +44,15 @@ static vv_status open_folders(vvi_session *s)
         return vv_fail_memory(256);
     if ((st = vvi_files_make_path(s->uploads)) == VV_OK)
         st = vvi_journal_open(&s->journal, s->state);
-    s->results = st == VV_OK ? vvi_files_last_result(s->uploads) : 0;
     return st;
 }
 
-vv_status vvi_session_make_results(vvi_session *s, const char *folder, int64_t results)
+vv_status vvi_session_write_below(vvi_session *s, const char *folder)
 {
     const vv_status st = vvi_files_make_path(folder);
     if (st != VV_OK)
         return st;
     s->uploads = vvi_strdup(folder);
-    s->results = results;
     return s->uploads ? VV_OK : vv_fail_memory(strlen(folder));
 }
 
@@ -106,7 +104,7 @@ static void note_world(vvi_session *s)
     if (!s->restored)
         return;
     vv_world *world = vv_model_snapshot(s->model);
-    vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
+    vvi_recording_begin(s->recording, world, s->bindings, s->uploads);
     vv_object_release(&world->base);
 }
 
@@ -151,7 +149,6 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     if (!s)
         return vv_fail_memory(sizeof *s);
     s->options = *options;
-    pthread_mutex_init(&s->room_lock, NULL);
     vv_runtime_retain(options->runtime);
     vv_status st = open_folders(s);
     if (st == VV_OK)
@@ -219,7 +216,6 @@ vv_status vvi_session_free(vvi_session *s, bool keep)
     free(s->uploads);
     free(s->saved);
     free(s->bindings);
-    pthread_mutex_destroy(&s->room_lock);
     vv_runtime_release(s->options.runtime);
     free(s);
     return st;
@@ -228,7 +224,7 @@ vv_status vvi_session_free(vvi_session *s, bool keep)
 vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
-    vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
+    vvi_recording_begin(s->recording, world, s->bindings, s->uploads);
     vv_status st = vvi_session_give_files(s, world);
     if (st == VV_OK)
         st = confine(s);

@@ -15,7 +15,7 @@ typedef struct vvi_client vvi_client;
 typedef struct vvi_session_options {
     vv_runtime *runtime;
     const char *root;     /**< no file outside this folder is opened or written */
-    const char *state;    /**< folder for the journal, results and uploads; made when it is not there */
+    const char *state;    /**< folder for the journal, samples and uploads; made when it is not there */
     bool read_only;       /**< nobody changes the World or writes files */
     const char *record;   /**< a file that is made: what pages do (recording.h); NULL: none */
     const char *bindings; /**< what input does, as JSON of input/bindings.h; NULL: the default */
@@ -29,7 +29,7 @@ typedef struct vvi_session_options {
 
 /** Everything is copied. A journal of a session that broke off in `state` is played again. */
 vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options);
-/** Ends all threads. keep: the journal, results and uploads stay, as if the program had broken off; else those results
+/** Ends all threads. keep: the journal, samples and uploads stay, as if the program had broken off; else those samples
  * and uploads alone that a saved scene names. VV_E_WRITE: its recording is not whole. */
 vv_status vvi_session_free(vvi_session *session, bool keep); /* NULL is fine */
 /** What the World is at first. Nothing of it is checked against `root`. */
@@ -81,7 +81,7 @@ const char *vvi_client_stuck(const vvi_client *client, int64_t now);
 bool vvi_client_is_full(const vvi_client *client);
 /** The next client after one (NULL: the first); NULL at the end. */
 vvi_client *vvi_session_client(vvi_session *session, const vvi_client *after);
-/** The folder of uploads and results; NULL: there is none. */
+/** The folder of uploads and samples; NULL: there is none. */
 const char *vvi_session_uploads(const vvi_session *session);
 /** A folder for a file that comes from a page, yours to free(): a new one, or that of the files that came with the same
  * `batch` ("": it comes alone). */

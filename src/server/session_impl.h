@@ -155,12 +155,9 @@ struct vvi_session {
     bool told_forgotten; /* that the oldest changes can be undone no more */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
-    int64_t results;              /* number of the last one: those of a session that broke off stay */
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
     _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
-    pthread_mutex_t room_lock;      /* of: */
-    _Atomic uint64_t planned;       /* bytes of results that are being written */
     uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
     int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
@@ -241,8 +238,8 @@ const char *vvi_session_told(vvi_session *session);
 
 /** Every view stays as it is seen. */
 vv_status vvi_session_fix_views(vvi_session *session);
-/** Of a session without a state folder: results are written there, and the next one has the number after `results`. */
-vv_status vvi_session_make_results(vvi_session *session, const char *folder, int64_t results);
+/** Of a session without a state folder: what it writes goes there. */
+vv_status vvi_session_write_below(vvi_session *session, const char *folder);
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
@@ -333,17 +330,15 @@ vv_status vvi_files_make_folder(char **out, const vvi_session *session, const ch
 void vvi_files_remove_empty(const char *path);
 /** The folder "KIND", made where it is not there. */
 vv_status vvi_files_own_folder(char **out, const vvi_session *session, const char *kind);
-/** Those results and uploads that a scene names stay when the session ends, with all that came with them: they are made
- * read-only. Any thread. */
+/** Uploads and samples, and results of older versions, that a scene names stay when the session ends, with all that
+ * came with them: they are made read-only. Any thread. */
 void vvi_files_keep(const vvi_session *session, const vv_world *world);
-/** The highest number of a result that is in a folder; 0: there is none. */
-int64_t vvi_files_last_result(const char *folder);
-/** Takes away all results and uploads that no saved scene names. */
+/** Takes away all uploads and samples that no saved scene names. */
 void vvi_files_clear(const vvi_session *session);
 /** A real path inside as a page names it: from the root. A part of the text. */
 const char *vvi_files_from_root(const vvi_session *session, const char *real);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
-/** A sentence without the folder of results and uploads, which is nobody's but the server's; yours to free(). NULL: no
+/** A sentence without the folder of uploads and samples, which is nobody's but the server's; yours to free(). NULL: no
  * memory. */
 char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
@@ -353,12 +348,9 @@ bool vvi_files_is_scene(const char *path);
 
 /** What earlier sessions have left is not counted. */
 void vvi_session_begin_room(vvi_session *session);
-/** VV_E_LIMIT: so many bytes more would be more than results, uploads, samples and pictures may take (session_bytes),
+/** VV_E_LIMIT: so many bytes more would be more than uploads, samples and pictures may take (session_bytes),
  * or than the disk has for them. Any thread. */
 vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
-/** The same, and so many bytes are kept for what is about to be written, until they are given back. Any thread. */
-vv_status vvi_session_keep_room(vvi_session *session, uint64_t bytes);
-void vvi_session_give_room(vvi_session *session, uint64_t bytes);
 /** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
 vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
 
@@ -377,6 +369,7 @@ vv_status vvi_request_proposals(vvi_client *client, int64_t id, const json_t *me
 vv_status vvi_request_thumbnail(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_write(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_measure(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message);

@@ -1,4 +1,4 @@
-/* What a session writes: uploads, results, samples and pictures, each in a folder of its own, so that none is written
+/* What a session writes: uploads, samples and pictures, each in a folder of its own, so that none is written
  * over another, and a reader that looks beside its file sees what came with it and nothing else. */
 #include "core/memory.h"
 #include "server/session_impl.h"
@@ -153,19 +153,6 @@ void vvi_files_keep(const vvi_session *session, const vv_world *world)
 {
     if (session->uploads)
         vv_path_each(&world->base, keep_file, session->uploads);
-}
-
-int64_t vvi_files_last_result(const char *folder)
-{
-    int64_t last = 0;
-    DIR *dir = opendir(folder);
-    for (const struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
-        const int64_t n = strncmp(entry->d_name, "result-", 7) == 0 ? strtoll(entry->d_name + 7, NULL, 10) : 0;
-        last = n > last && n < FOLDERS_MOST ? n : last;
-    }
-    if (dir)
-        closedir(dir);
-    return last;
 }
 
 void vvi_files_clear(const vvi_session *session)

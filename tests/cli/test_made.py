@@ -140,6 +140,33 @@ def test_a_parameter_is_a_path():
     assert not os.path.exists("x.png")
 
 
+def test_steps_are_switched_off():
+    write_blob()
+    chain = ("median --radius 1", "gaussian --sigma 2", "threshold --range 90..")
+    ok("pipe", "in.nrrd", " | ".join(chain), "-o", "made.vv.json")
+    names = [step.split()[0] for step in chain]
+    for off in (("gaussian",), ("median",), ("threshold",), ("median", "gaussian"), ("gaussian", "threshold"), tuple(names)):
+        left = [step for step in chain if step.split()[0] not in off]
+        words = [word for name in off for word in ("--set", f"datasets.{name}.on=false")]
+        ok("render", "made.vv.json", *words, "--size", "60", "-o", "off.pfm", "--save-scene", "off.vv.json", "--overwrite")
+        truth = by_verbs(left) if left else "in.nrrd"
+        # the look is that of the file that the chain made
+        ok("convert", "off.vv.json", "-o", "off.nrrd", "--overwrite")
+        ok("convert", truth, "-o", "truth.nrrd", "--overwrite")
+        assert read("off.nrrd") == read("truth.nrrd"), off
+        ok("render", "off.vv.json", "--set", f"volumes.threshold.data=x", "--set", f"datasets.x={{\"path\": \"{truth}\"}}", "--size", "60", "-o",
+           "truth.pfm", "--overwrite")
+        assert read("off.pfm") == read("truth.pfm"), off
+    says(ok("info", "off.vv.json").text, "gaussian of median: sigma 2 (off)")
+    ok("pipe", "in.nrrd", "isosurface --iso 100 | smooth --iterations 3", "-o", "mesh.vv.json")
+    assert picture("mesh.vv.json", "--set", "datasets.smooth.on=false") == picture(by_verbs(("isosurface --iso 100",)))
+    for scene, setting, words in (("mesh.vv.json", "isosurface.on=false", ("datasets.isosurface.on", "makes a mesh, and 'in' is a volume")),
+                                  ("made.vv.json", "in.on=false", ("datasets.in.on", "a file cannot be switched off"))):
+        says(fails(2, "render", scene, "--set", "datasets." + setting, "-o", "x.png"), *words)
+    ring = ("--set", "datasets.median.inputs.volume=gaussian", "--set", "datasets.median.on=false", "--set", "datasets.gaussian.on=false")
+    says(fails(2, "render", "made.vv.json", *ring, "-o", "x.png"), "made of itself")
+
+
 def test_verbs_take_what_is_made_as_they_take_files():
     write_blob()
     ok("gaussian", "in.nrrd", "--sigma", 1, "-o", "s.nrrd")

@@ -375,11 +375,15 @@ def test_files_of_a_session_that_were_removed_are_told_with_what_helps():
         async def work():
             async with Page(server, 64, 64) as page:
                 await page.resting()
-                made = await page.ask("run", operation="gaussian", dataset="head", parameters={"sigma": "1vox"})
+                smooth = {"operation": "gaussian", "parameters": {"sigma": "1vox"}}
+                with open("head.nrrd", "rb") as file:
+                    _, _, body = server.request("/files/mine.nrrd", file.read(), method="PUT", Cookie=server.cookie())
+                await page.ask("open", path=json.loads(body)["path"], add=True)
                 shutil.rmtree("state")
                 await page.edit(("set", "title", "after"))
-                said = await page.refused("run", operation="gaussian", dataset=made["dataset"], parameters={"sigma": "1vox"})
-                assert said.endswith("run the operation that made it, again") and "state" not in said, said
+                await page.ask("run", dataset="head", **smooth)  # which needs no file of the session
+                said = await page.refused("run", dataset="mine", **smooth)
+                assert said.endswith("upload it, or run the operation that made it, again") and "state" not in said, said
         run(work())
 
 

@@ -47,7 +47,8 @@ class Round:
 
     async def operations(self, page):
         for i in range(100000):
-            await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"})
+            made = (await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"}))["dataset"]
+            await page.ask("write", dataset=made, path=f"smooth{i % 3}.nrrd", replace=True)
             self.done["run"] += 1
 
     async def turns(self, page):

@@ -95,11 +95,61 @@ def test_operations_run_on_what_is_made():
         async def work():
             async with Page(server) as page:
                 made = (await page.ask("run", operation="dilate", dataset="threshold", parameters={"radius": 2}))["dataset"]
-                await page.until(lambda: made in datasets_of(page))
-                return datasets_of(page)[made]["path"]
-        path = run(work())
-        with open(path, "rb") as made, open("truth.nrrd", "rb") as truth:
-            assert made.read() == truth.read()
+                await page.ask("write", dataset=made, path=os.path.abspath("made.nrrd"))
+        run(work())
+    with open("made.nrrd", "rb") as made, open("truth.nrrd", "rb") as truth:
+        assert made.read() == truth.read()
+
+
+def test_a_step_that_is_switched_off_is_left_out():
+    write_ball()
+    ok("pipe", "head.nrrd", "gaussian --sigma 4vox | median --radius 1", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                both = await page.resting()
+                await page.edit(("set", "datasets.gaussian.on", False))
+                one = await page.resting()
+                lines = (await page.ask("command"))["text"]
+                await page.ask("write", dataset="median", path=os.path.abspath("one.nrrd"))
+                await page.edit(("set", "datasets.median.on", False))
+                await page.ask("write", dataset="median", path=os.path.abspath("none.nrrd"))
+                none = (await page.ask("command"))["text"]
+                await page.edit(("set", "datasets.median.on", True), ("set", "datasets.gaussian.on", True))
+                back = await page.resting()
+                return [pixels(frame.data) for frame in (both, one, back)], lines, none
+        (both, one, back), lines, none = run(work())
+    assert psnr(both, one) < 40 <= psnr(both, back)
+    assert [line.split()[1] for line in lines.split("\n")] == ["median", "render"], lines
+    assert psnr(run_lines(lines), one) >= 40, lines
+    assert [line.split()[1] for line in none.split("\n")] == ["render"], none
+    ok("median", "head.nrrd", "--radius", 1, "-o", "truth.nrrd")
+    ok("convert", "head.nrrd", "-o", "as_it_is.nrrd")
+    for made, truth in (("one.nrrd", "truth.nrrd"), ("none.nrrd", "as_it_is.nrrd")):
+        with open(made, "rb") as one, open(truth, "rb") as other:
+            assert one.read() == other.read(), made
+
+
+def test_results_that_older_versions_wrote_are_files():
+    write_ball()
+    ok("gaussian", "head.nrrd", "--sigma", "3vox", "-o", "result-1.nrrd")
+    with open("old.vv.json", "w", encoding="utf-8") as file:
+        json.dump({"schema": 1, "datasets": {"head": {"path": "head.nrrd"},
+                                             "head-gaussian": {"path": "result-1.nrrd", "source": "head", "operation": "gaussian",
+                                                               "parameters": {"sigma": "3vox"}}},
+                   "volumes": {"head": {"data": "head-gaussian"}}}, file)
+    with Server("old.vv.json") as server:
+        async def work():
+            async with Page(server) as page:
+                frame = await page.resting()
+                await page.ask("write", dataset="head-gaussian", path=os.path.abspath("same.nrrd"))
+                return pixels(frame.data), (await page.ask("command"))["text"]
+        shown, lines = run(work())
+    assert [line.split()[1] for line in lines.split("\n")] == ["gaussian", "render"], lines
+    assert psnr(run_lines(lines), shown) >= 40, lines
+    assert psnr(shown, picture_of("old.vv.json")) >= 40
+    with open("same.nrrd", "rb") as same, open("result-1.nrrd", "rb") as result:
+        assert same.read()[-1000:] == result.read()[-1000:]
 
 
 def test_what_cannot_be_made_is_said_and_the_server_goes_on():

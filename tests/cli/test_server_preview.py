@@ -138,10 +138,10 @@ def test_the_newest_preview_counts():
 
 def test_refusals_name_the_property():
     async def work(page):
-        for wanted, members in (("datasets.preview.parameters.sigma", {"operation": "gaussian", "parameters": {"sigma": "lots"}}),
-                                ("datasets.preview.parameters.sigmo", {"operation": "gaussian", "parameters": {"sigmo": 1}}),
-                                ("'parameters' must be an object", {"operation": "gaussian", "parameters": 3}),
-                                ("datasets.preview.inputs", {"operation": "mask", "parameters": {}}),
+        for wanted, members in (("parameters.sigma: ", {"operation": "gaussian", "parameters": {"sigma": "lots"}}),
+                                ("parameters.sigmo: ", {"operation": "gaussian", "parameters": {"sigmo": 1}}),
+                                ("expected an object of parameters", {"operation": "gaussian", "parameters": 3}),
+                                ("inputs", {"operation": "mask", "parameters": {}}),
                                 ("gaussian", {"operation": "gausian"}),
                                 ("which slices do not show", {"operation": "isosurface", "parameters": {"iso": 500}}),
                                 ("no visible volume shows 'b'", {"operation": "gaussian", "dataset": "b"}),

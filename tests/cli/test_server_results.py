@@ -1,4 +1,4 @@
-"""What the page makes of a file is what the program makes of it, byte for byte: with names, colours, codes, time steps."""
+"""What the page makes of a file and writes is what the program makes of it, byte for byte: with names, colours, codes, time steps."""
 import json
 import os
 import random
@@ -60,41 +60,55 @@ def by_program(operation, path, like):
         return file.read()
 
 
-async def by_page(page, operation, dataset, notes):
-    """The path of what the page's server writes; None where it refuses."""
+async def write(page, dataset, path):
+    """A dataset of the World as a file, in the place of what is there."""
+    assert (await page.ask("write", dataset=dataset, path=os.path.abspath(path), replace=True))["path"] == os.path.abspath(path)
+    return path
+
+
+async def by_page(page, operation, dataset, out, notes):
+    """Whether the page's server makes it, and writes it."""
+    before = page.world["world"]
     answer = await page.answer("run", operation=operation, dataset=dataset, parameters=PARAMETERS.get(operation, {}))
     if not answer["ok"]:
-        return None
+        await page.heard()
+        assert page.world["world"] == before, operation
+        return False
     made = answer["value"]["dataset"]
     notes[operation] = answer["value"].get("note", "")
     await page.until(lambda: made in page.world["world"]["datasets"])
-    return page.world["world"]["datasets"][made]["path"]
+    assert "path" not in page.world["world"]["datasets"][made]
+    return await write(page, made, out)
 
 
 def rows(takes):
-    return [row["name"] for row in ok("operations", "--json").json["operations"]
-            if row["min_inputs"] == 1 and row["inputs"][0]["takes"] == takes]
+    """Operations of one such input, and whether they make meshes."""
+    return {row["name"]: row["makes"] == "mesh" for row in ok("operations", "--json").json["operations"]
+            if row["min_inputs"] == 1 and row["inputs"][0]["takes"] == takes}
 
 
-def results(path, notes=None):
-    """Every operation of one volume on a file, compared; the paths of what the page has made, by operation."""
-    made, notes = {}, {} if notes is None else notes
+def results(path, notes=None, samples=".nrrd"):
+    """Every operation of one volume on a file, compared; the files that the page has written, by operation."""
+    files, notes = {name: name + (".ply" if mesh else samples) for name, mesh in rows("volume").items()}, {} if notes is None else notes
 
     async def work():
+        made = {}
         async with Page(server) as page:
             name = next(iter(page.world["world"]["datasets"]))
-            for operation in rows("volume"):
-                made[operation] = await by_page(page, operation, name, notes)
+            for operation, out in files.items():
+                if await by_page(page, operation, name, out, notes):
+                    made[operation] = out
+        return made
     with Server(path) as server:
-        run(work())
-        for operation, file in made.items():
-            wanted = by_program(operation, path, file or "refused.nrrd")
-            assert (file is None) == (wanted is None), (operation, file)
-            if file:
-                with open(file, "rb") as opened:
-                    assert opened.read() == wanted, (operation, file)
-                os.link(file, operation + os.path.splitext(file)[1])
-    return {operation: operation + os.path.splitext(file)[1] for operation, file in made.items() if file}
+        made = run(work())
+    assert not [name for folder, _, names in os.walk("state") for name in names if "result" in os.path.join(folder, name)]
+    for operation, out in files.items():
+        wanted = by_program(operation, path, out)
+        assert (operation in made) == (wanted is not None), operation
+        if wanted is not None:
+            with open(out, "rb") as opened:
+                assert opened.read() == wanted, operation
+    return made
 
 
 def header(path):
@@ -104,7 +118,7 @@ def header(path):
 
 def test_a_nifti_stays_one_with_its_codes_and_texts():
     write_nifti("t.nii")
-    made = results("t.nii")
+    made = results("t.nii", samples=".nii")
     assert {"crop", "flip", "gaussian", "channel", "rescale", "isosurface"} <= set(made), made
     for operation, path in made.items():
         if not path.endswith(".ply"):
@@ -117,7 +131,7 @@ def test_a_nifti_stays_one_with_its_codes_and_texts():
 def test_every_time_step_goes_through():
     write_nifti("t.nii", frames=3)
     notes = {}
-    made = results("t.nii", notes)
+    made = results("t.nii", notes, ".nii")
     assert "first of 3 time steps" in notes["isosurface"] and not notes["crop"], notes
     for operation in ("crop", "gaussian", "rescale"):
         assert nib.load(made[operation]).shape[3] == 3, operation
@@ -173,12 +187,21 @@ def test_results_of_results_keep_them_too():
             second = (await page.ask("run", operation="flip", dataset=first, parameters={"axes": "y"}))["dataset"]
             await page.until(lambda: second in page.world["world"]["datasets"])
             lines = (await page.ask("command", operation="crop", dataset=second, parameters={"x": "1:"}))["text"]
-            return page.world["world"]["datasets"][second]["path"], lines
+            both = (await page.ask("run", operation="calc", dataset=second, inputs={"a": second, "b": second}, parameters={"formula": "a + b"}))["dataset"]
+            await write(page, second, "second.nii")
+            await write(page, both, "both.nii")
+            return lines
     with Server("t.nii.gz") as server:
-        path, lines = run(work())
-        out = nib.load(path).header
+        lines = run(work())
+    ok("crop", "t.nii.gz", "--x", "2:", "-o", "a.nii")
+    ok("flip", "a.nii", "--axes", "y", "-o", "b.nii")
+    ok("calc", "a + b", "b.nii", "b.nii", "-o", "c.nii")
+    for page, program in (("second.nii", "b.nii"), ("both.nii", "c.nii")):
+        with open(page, "rb") as one, open(program, "rb") as other:
+            assert one.read() == other.read(), page
+    out = nib.load("second.nii").header
     assert out["sform_code"] == 4 and b"contrast 3" in bytes(out["descrip"])
-    assert lines.split("\n")[-1].endswith(".nii'"), lines
+    assert [line.split()[1] for line in lines.split("\n")] == ["crop", "flip", "crop"] and lines.endswith(".nii'"), lines
 
 
 def test_other_inputs_are_given_by_name():
@@ -198,12 +221,13 @@ def test_other_inputs_are_given_by_name():
             made = (await page.ask("run", **asked, inputs={"values": "ramp"}))["dataset"]
             await page.until(lambda: made in page.world["world"]["datasets"])
             lines = (await page.ask("command", operation="simplify", dataset=made, parameters={}))["text"]
+            await write(page, made, "page.ply")
             return page.world["world"]["datasets"][made], lines
     with Server("ball.nrrd", "ramp.nrrd") as server:
         dataset, lines = run(work())
-        with open(dataset["path"], "rb") as page, open("program.ply", "rb") as program:
-            assert page.read() == program.read()
-    assert dataset["inputs"] == {"values": "ramp"}
+    with open("page.ply", "rb") as page, open("program.ply", "rb") as program:
+        assert page.read() == program.read()
+    assert dataset == {"operation": "isosurface", "inputs": {"volume": "ball", "values": "ramp"}}, dataset
     says(lines, " values='", "ramp.nrrd' -o 'ball-isosurface-2.ply'")
 
 
@@ -217,12 +241,12 @@ def test_formulas_speak_of_inputs_by_their_names():
             asked = {"operation": "calc", "dataset": "ball", "inputs": {"a": "ball", "b": "ramp"}, "parameters": {"formula": "b - 2*a"}}
             lines = (await page.ask("command", **asked))["text"]
             made = (await page.ask("run", **asked))["dataset"]
-            await page.until(lambda: made in page.world["world"]["datasets"])
-            return page.world["world"]["datasets"][made], lines
+            await write(page, made, "page.nrrd")
+            return lines
     with Server("ball.nrrd", "ramp.nrrd") as server:
-        dataset, lines = run(work())
-        with open(dataset["path"], "rb") as page, open("program.nrrd", "rb") as program:
-            assert page.read() == program.read()
+        lines = run(work())
+    with open("page.nrrd", "rb") as page, open("program.nrrd", "rb") as program:
+        assert page.read() == program.read()
     done = subprocess.run(["sh", "-c", lines.replace("volvis ", f"{VOLVIS} ", 1)], capture_output=True, text=True)
     assert done.returncode == 0, (lines, done.stderr)
     with open("result.nrrd", "rb") as again, open("program.nrrd", "rb") as program:
@@ -239,6 +263,93 @@ def test_parameters_that_are_no_object_are_a_sentence():
                     said = await page.answer(kind, operation="gaussian", dataset="ball", parameters=found)
                     assert not said["ok"] and said["error"].startswith("expected an object"), said
     with Server("ball.nrrd") as server:
+        run(work())
+
+
+def test_files_are_written_where_and_as_they_may_be():
+    write_ball("ball.nrrd", 16)
+    os.makedirs("shared/inside")
+    os.rename("ball.nrrd", "shared/ball.nrrd")
+    here = os.path.abspath("shared")
+
+    async def work():
+        async with Page(server, 64, 64) as page:
+            made = (await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"}))["dataset"]
+            for path, words in (("/tmp/x.nrrd", "there is no such"), ("../x.nrrd", "there is no such"), ("inside/", "name of a file"),
+                                ("x.ply", "suffix of a mesh"), ("x.xyz", "no suffix that a format writes"), ("x.vv.json", "suffix"),
+                                ("ball.nrrd", "is the file of the dataset 'ball'"), ("none/x.nrrd", "there is no such")):
+                says(await page.refused("write", dataset=made, path=path, replace=True), words)
+            says(await page.refused("write", dataset="nobody", path="x.nrrd"), "no dataset 'nobody'")
+            says(await page.refused("write", path="x.nrrd"), "needs a dataset and a path")
+            assert sorted(os.listdir(here)) == ["ball.nrrd", "inside"] and not os.listdir(f"{here}/inside")
+            assert await page.ask("write", dataset=made, path="inside/x.nrrd") == {"path": "/inside/x.nrrd"}
+            again = await page.answer("write", dataset=made, path="inside/x.nrrd")
+            assert again["reason"] == "exists" and "already exists" in again["error"], again
+            with open(f"{here}/inside/x.nrrd", "rb") as file:
+                smooth = file.read()
+            await page.edit(("set", f"datasets.{made}.parameters.sigma", "2vox"))
+            await page.ask("write", dataset=made, path="inside/x.nrrd", replace=True)
+            with open(f"{here}/inside/x.nrrd", "rb") as file:
+                assert file.read() != smooth
+            await page.ask("write", dataset="ball", path="inside/as_it_is.npy")  # what is not made too
+            assert any(m["type"] == "job" and m["name"] == "write" and m["state"] == "done" for m in page.messages)
+    with Server(verb="serve", *("--root", "shared", "shared/ball.nrrd")) as server:
+        run(work())
+    assert np.array_equal(np.load(f"{here}/inside/as_it_is.npy").shape, (16, 16, 16))
+    ok("gaussian", "shared/ball.nrrd", "--sigma", "2vox", "-o", "truth.nrrd")
+    with open("truth.nrrd", "rb") as truth, open(f"{here}/inside/x.nrrd", "rb") as file:
+        assert truth.read() == file.read()
+
+    async def look():
+        async with Page(server, 64, 64) as page:
+            says(await page.refused("write", dataset="ball", path="y.nrrd"), "--read-only")
+    with Server(verb="serve", *("--root", "shared", "--read-only", "shared/ball.nrrd")) as server:
+        run(look())
+    assert not os.path.exists("shared/y.nrrd")
+
+
+def test_many_operations_leave_a_session_as_small_as_it_was():
+    write_ball("ball.nrrd", 48)  # 110 kB each time, as a file
+
+    def written():
+        return sum(os.path.getsize(os.path.join(folder, name)) for folder, _, names in os.walk("state") for name in names)
+
+    async def work():
+        async with Page(server, 64, 64) as page:
+            await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"})
+            await page.ask("undo")
+            before = written()
+            for i in range(40):
+                await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": f"{1 + i / 40:.3f}vox"})
+                await page.ask("undo")
+            await page.heard()
+            return before, written()
+    with Server("ball.nrrd") as server:
+        before, after = run(work())
+        assert after - before < 40 * 1000, (before, after)  # lines of the journal
+
+
+def test_an_operation_that_fails_adds_nothing_and_one_that_is_cancelled_too():
+    write_ball("ball.nrrd", 32)
+
+    async def work():
+        async with Page(server, 64, 64) as page:
+            await page.resting()
+            before = page.world["world"]
+            for asked, words in ((("isosurface", {"iso": 1000}), "no triangles"), (("gaussian", {"sigma": "1s"}), "sigma"),
+                                 (("gaussian", {"sgma": 1}), "did you mean 'sigma'"), (("resample", {"spacing": "0.02vox"}), "memory"),
+                                 (("resample", {"spacing": "1e-5vox"}), "samples"), (("smooth", {}), "takes a mesh, and 'ball' is a volume")):
+                said = await page.refused("run", operation=asked[0], dataset="ball", parameters=asked[1])
+                says(said, words)
+                assert "datasets." not in said, said
+            await page.say("run", id=5000, operation="bilateral", dataset="ball", parameters={"sigma": "12vox", "value_sigma": 50})
+            job = await page.until(lambda: next((m for m in page.messages if m["type"] == "job" and m["name"] == "bilateral"), None))
+            await page.ask("cancel", job=job["job"])
+            await page.until(lambda: any(m["type"] == "answer" and m["id"] == 5000 and not m["ok"] for m in page.messages))
+            says(await page.refused("undo"), "nothing")
+            await page.heard()
+            assert page.world["world"] == before
+    with Server("ball.nrrd", "--memory", "300M") as server:
         run(work())
 
 

@@ -1,0 +1,113 @@
+/* Files that a page names: where they may be, and data of the World as such a file. */
+#include "core/memory.h"
+#include "run/made.h"
+#include "server/request.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The place ---------------------------------------------------------------------------------------------------------
+ */
+
+/* What the server writes goes when it ends. */
+static vv_status check_place(const vvi_session *s, const char *path)
+{
+    const size_t n = s->uploads ? strlen(s->uploads) : 0;
+    if (!n || strncmp(path, s->uploads, n) != 0 || path[n] != '/')
+        return VV_OK;
+    return vv_fail(
+        VV_E_ARGUMENT,
+        "nothing can be saved among the uploads and samples of this session, since they are deleted when the "
+        "server ends; choose another folder");
+}
+
+/* A suffix behind nothing would be a name, and a hidden one. */
+static vv_status check_name(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (*name && strcmp(name, ".") != 0 && strcmp(name, "..") != 0)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "'%.200s' is a folder; expected the name of a file", path);
+}
+
+vv_status vvi_request_take_place(vvi_request *r, const char *said, const char *path)
+{
+    vv_status st = check_name(said);
+    if (st == VV_OK)
+        st = vvi_files_resolve(&r->path, r->session, path, true);
+    return st == VV_OK ? check_place(r->session, r->path) : st;
+}
+
+vv_status vvi_request_check_exists(vvi_request *r)
+{
+    struct stat info;
+    r->exists = !r->replace && lstat(r->path, &info) == 0;
+    return r->exists ? vv_fail(VV_E_WRITE, "%s already exists, and is left as it is", strrchr(r->path, '/') + 1)
+                     : VV_OK;
+}
+
+void vvi_request_tell_path(vvi_request *r)
+{
+    vvi_result_open(&r->value, NULL, '{');
+    vvi_result_string(&r->value, "path", vvi_files_from_root(r->session, r->path));
+    if (r->note)
+        vvi_result_string(&r->value, "note", r->note);
+    vvi_result_close(&r->value, '}');
+}
+
+/* Data ------------------------------------------------------------------------------------------------------------- */
+
+/* What data are made of is not written over: they would be others from then on. */
+static vv_status check_sources(const vvi_request *r)
+{
+    for (size_t i = 0; i < r->world->datasets->n; i++) {
+        const vv_dataset *d = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
+        char *real = d->path ? realpath(d->path, NULL) : NULL;
+        const bool same = real && strcmp(real, r->path) == 0;
+        free(real);
+        if (same)
+            return vv_fail(VV_E_ARGUMENT, "%s is the file of the dataset '%.64s'; choose another name",
+                           strrchr(r->path, '/') + 1, r->world->datasets->entry[i].id);
+    }
+    return VV_OK;
+}
+
+static vv_status run(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_object *dataset = vv_collection_find(r->world->datasets, r->dataset);
+    if (!dataset)
+        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->dataset);
+    vv_status st = check_sources(r);
+    if (st == VV_OK)
+        st = vvi_request_check_exists(r);
+    if (st == VV_OK)
+        st = vvi_made_write(r->path, r->world, (const vv_dataset *)(const void *)dataset, job);
+    if (st == VV_OK) {
+        vvi_request_take_notes(r, job);
+        vvi_request_tell_path(r);
+    }
+    return st;
+}
+
+vv_status vvi_request_write(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *path = json_string_value(json_object_get(message, "path"));
+    const char *dataset = json_string_value(json_object_get(message, "dataset"));
+    vvi_request *r;
+    if (!dataset || !path || !*path)
+        return vv_fail(VV_E_ARGUMENT, "'write' needs a dataset and a path");
+    vv_status st = vvi_request_new(&r, client, id, "write", run);
+    if (st == VV_OK)
+        st = vvi_request_copy(&r->dataset, r, dataset);
+    if (st != VV_OK)
+        return st;
+    r->task.done = vvi_request_done_slowly;
+    r->task.stays = true;
+    r->replace = json_is_true(json_object_get(message, "replace"));
+    if ((st = vvi_request_take_place(r, path, path)) == VV_OK)
+        return vvi_request_add_slow(r);
+    r->task.drop(&r->task);
+    return st;
+}
