@@ -64,7 +64,7 @@ export function chainOf({ world, operations }: Tables, dataset: string): Chain {
     const next: Json | undefined = input === null ? undefined : inputsOf(data)[input];
     at = typeof next === "string" && datasetAt(world, next) ? next : null;
   }
-  return { source: at, steps };
+  return { source: at !== null && isMade(world, at) ? null : at, steps }; // made: a ring
 }
 
 function kindOf({ world, operations }: Tables, id: string): "volume" | "mesh" {

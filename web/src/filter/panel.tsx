@@ -127,6 +127,7 @@ export function FilterPanel() {
     setBusy(true);
     setError("");
     apply(of).then((dataset) => {
+      if (plan.value?.operation !== of.operation) return; // people have gone on meanwhile
       plan.value = null;
       store.selection.value = `datasets.${dataset}`;
     }, (problem: Error) => setError(problem.message)).finally(() => setBusy(false));

@@ -52,7 +52,7 @@ function Divider() {
       ref={frame} class="wipe" role="slider" tabIndex={0} aria-label="Before and after" aria-orientation="horizontal" aria-valuemin={0} aria-valuemax={100}
       aria-valuenow={Math.round(share * 100)} aria-valuetext={`before up to ${Math.round(share * 100)} %, after from there`}
       onPointerDown={(event) => { event.stopPropagation(); event.currentTarget.setPointerCapture(event.pointerId); }} onPointerMove={drag}
-      onDblClick={(event) => { event.stopPropagation(); set(0.5); }}
+      onDblClick={(event) => { event.stopPropagation(); set(0.4); }}
       onKeyDown={(event) => {
         const to = { ArrowLeft: share - STEP, ArrowRight: share + STEP, Home: 0, End: 1 }[event.key];
         if (to === undefined) return;

@@ -40,7 +40,7 @@ export const asked = signal<Plan | null>(null);
 export const previews = signal<{ [viewport: string]: Preview | string }>({});
 export const waiting = signal(0);
 /** The part of a picture that is shown as it is: what is right of it is the preview. */
-export const wipe = signal(0.5);
+export const wipe = signal(0.4); // beside the cross-hair, which is in the middle at first
 export const previewOn = signal(true);
 
 const STILL_MS = 120;
