@@ -292,6 +292,7 @@ const vv_operation vvi_operation_add_noise = {
     .api = VV_OPERATION_API,
     .name = "add-noise",
     .component = "filter",
+    .group = "values",
     .doc = "add noise of a known kind and size, to try methods on: the same for the same seed; NaN stays",
     .example = "volvis add-noise head.nrrd -o noisy.nrrd --kind rician --sigma 15 --seed 7",
     .params = &add_noise_class,

@@ -499,6 +499,7 @@ const vv_operation vvi_operation_bias = {
     .api = VV_OPERATION_API,
     .name = "bias",
     .component = "filter",
+    .group = "values",
     .doc = "take off a smooth field that has made parts of an MR or microscope image brighter than others (N4); each "
            "channel separately",
     .example = "volvis bias head.nrrd -o even.nrrd --range 50.. --levels 3",

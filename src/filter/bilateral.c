@@ -226,6 +226,7 @@ const vv_operation vvi_operation_bilateral = {
     .api = VV_OPERATION_API,
     .name = "bilateral",
     .component = "filter",
+    .group = "smoothing",
     .doc = "smooth and keep edges: the mean of the samples around each, weighed by how near they are in place and in "
            "value; beyond the border are the values of the border; each channel separately",
     .example = "volvis bilateral head.nrrd -o clean.nrrd --sigma 1.5mm --value-sigma 20",

@@ -297,6 +297,7 @@ const vv_operation vvi_operation_calc = {
     .api = VV_OPERATION_API,
     .name = "calc",
     .component = "filter",
+    .group = "values",
     .doc = "a formula of the values of one to eight volumes on one grid, at each sample; each channel separately",
     .example = "volvis calc 'a - 0.5*b' a=pre.nrrd b=post.nrrd -o change.nrrd",
     .params = &calc_class,

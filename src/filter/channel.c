@@ -163,6 +163,7 @@ const vv_operation vvi_operation_channel = {
     .api = VV_OPERATION_API,
     .name = "channel",
     .component = "filter",
+    .group = "channels",
     .doc = "pick channels: one of a multi-channel image, red of a colour, x of a vector",
     .example = "volvis channel cells.nrrd -o nuclei.nrrd --channel 1",
     .params = &channel_class,

@@ -160,6 +160,7 @@ const vv_operation vvi_operation_clamp = {
     .api = VV_OPERATION_API,
     .name = "clamp",
     .component = "filter",
+    .group = "values",
     .doc = "values outside a range become its ends, or other values; NaN stays",
     .example = "volvis clamp head.nrrd -o within.nrrd --range 20..200 --below 0",
     .params = &clamp_class,

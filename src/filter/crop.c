@@ -188,6 +188,7 @@ const vv_operation vvi_operation_crop = {
     .api = VV_OPERATION_API,
     .name = "crop",
     .component = "filter",
+    .group = "geometry",
     .doc = "cut out a box of samples; they keep their position in the world",
     .example = "volvis crop head.nrrd -o part.nrrd --x 10..59 --z 20mm..",
     .params = &crop_class,

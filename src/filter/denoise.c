@@ -300,6 +300,7 @@ const vv_operation vvi_operation_denoise = {
     .api = VV_OPERATION_API,
     .name = "denoise",
     .component = "filter",
+    .group = "smoothing",
     .doc =
         "take noise away by non-local means: the mean of the samples nearby whose surroundings look alike; beyond the "
         "border are the values of the border; each channel separately",

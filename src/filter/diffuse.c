@@ -424,6 +424,7 @@ const vv_operation vvi_operation_diffuse = {
     .api = VV_OPERATION_API,
     .name = "diffuse",
     .component = "filter",
+    .group = "smoothing",
     .doc = "smooth and keep edges by diffusion that stops at them (Perona & Malik), or that flows along structures "
            "(Weickert); nothing flows through the border; each channel separately",
     .example = "volvis diffuse head.nrrd -o clean.nrrd --iterations 20 --edge 15",

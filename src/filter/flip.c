@@ -196,6 +196,7 @@ const vv_operation vvi_operation_flip = {
     .api = VV_OPERATION_API,
     .name = "flip",
     .component = "filter",
+    .group = "geometry",
     .doc = "reverse the order of samples along axes; with --mirror, mirror what the volume shows",
     .example = "volvis flip head.nrrd -o flipped.nrrd --axes xz",
     .params = &flip_class,

@@ -399,6 +399,7 @@ const vv_operation vvi_operation_gaussian = {
     .api = VV_OPERATION_API,
     .name = "gaussian",
     .component = "filter",
+    .group = "smoothing",
     .doc = "smooth with a Gaussian, sampled at the voxels and cut off at 4 sigma; each channel separately, as stored",
     .example = "volvis gaussian head.nrrd -o smooth.nrrd --sigma 1.5mm",
     .params = &gaussian_class,

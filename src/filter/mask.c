@@ -176,6 +176,7 @@ const vv_operation vvi_operation_mask = {
     .api = VV_OPERATION_API,
     .name = "mask",
     .component = "filter",
+    .group = "values",
     .doc = "keep values where another volume is not 0, or has given labels; elsewhere is one value",
     .example = "volvis mask head.nrrd mask=labels.nrrd -o part.nrrd --label 1,2",
     .params = &mask_class,

@@ -260,6 +260,7 @@ const vv_operation vvi_operation_mean = {
     .api = VV_OPERATION_API,
     .name = "mean",
     .component = "filter",
+    .group = "smoothing",
     .doc = "the mean of a box around each sample; beyond the border are the values of the border; each channel "
            "separately",
     .example = "volvis mean head.nrrd -o smooth.nrrd --radius 1.5mm",

@@ -260,6 +260,7 @@ const vv_operation vvi_operation_merge = {
     .api = VV_OPERATION_API,
     .name = "merge",
     .component = "filter",
+    .group = "channels",
     .doc = "two to eight volumes on one grid as channels of one, in their order",
     .example = "volvis merge before=pre.nrrd after=post.nrrd -o both.nrrd",
     .params = &merge_class,

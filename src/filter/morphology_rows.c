@@ -96,6 +96,7 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
         .api = VV_OPERATION_API,                                                                                       \
         .name = #symbol,                                                                                               \
         .component = "filter",                                                                                         \
+        .group = "morphology",                                                                                         \
         .doc = doc_text,                                                                                               \
         .example = example_text,                                                                                       \
         .params = &symbol##_class,                                                                                     \
@@ -246,6 +247,7 @@ const vv_operation vvi_operation_top_hat = {
     .api = VV_OPERATION_API,
     .name = "top-hat",
     .component = "filter",
+    .group = "morphology",
     .doc = "how far each sample is above what `open` makes of it: what is bright and smaller than the element, without "
            "its surroundings; with --dark how far it is below what `close` makes of it",
     .example = "volvis top-hat head.nrrd -o thin.nrrd --radius 3mm",

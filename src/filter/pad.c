@@ -274,6 +274,7 @@ const vv_operation vvi_operation_pad = {
     .api = VV_OPERATION_API,
     .name = "pad",
     .component = "filter",
+    .group = "geometry",
     .doc = "add samples around a volume; those that there are stay at their place in the world",
     .example = "volvis pad head.nrrd -o room.nrrd --x 10 --z 5mm,0 --value 0",
     .params = &pad_class,

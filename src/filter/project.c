@@ -561,6 +561,7 @@ const vv_operation vvi_operation_project = {
     .api = VV_OPERATION_API,
     .name = "project",
     .component = "filter",
+    .group = "geometry",
     .doc = "make one slice of all along an axis, or of each slab of them: their maximum, minimum, mean, sum, standard "
            "deviation or median",
     .example = "volvis project head.nrrd -o mip.nrrd --axis z --method maximum --slab 20mm",

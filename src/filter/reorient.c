@@ -216,6 +216,7 @@ const vv_operation vvi_operation_reorient = {
     .api = VV_OPERATION_API,
     .name = "reorient",
     .component = "filter",
+    .group = "geometry",
     .doc = "the same samples at the same places, in another axis order: RAS, LPI, zyx",
     .example = "volvis reorient head.nrrd -o turned.nrrd --order zyx",
     .params = &reorient_class,

@@ -431,6 +431,7 @@ const vv_operation vvi_operation_resample = {
     .api = VV_OPERATION_API,
     .name = "resample",
     .component = "filter",
+    .group = "geometry",
     .doc = "the same volume with another spacing, or on the grid of another volume (onto=FILE), wherever that lies; "
            "without "
            "parameters its voxels become cubes",

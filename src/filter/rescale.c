@@ -425,6 +425,7 @@ const vv_operation vvi_operation_rescale = {
     .api = VV_OPERATION_API,
     .name = "rescale",
     .component = "filter",
+    .group = "values",
     .doc = "map a range of values, a window, to another range and type; for integer types, values are rounded and NaN "
            "becomes 0",
     .example = "volvis rescale head.nrrd -o head8.nrrd --type u8 --percentile 1..99.8",

@@ -128,6 +128,7 @@ const vv_operation vvi_operation_simplify = {
     .api = VV_OPERATION_API,
     .name = "simplify",
     .component = "surface",
+    .group = "surfaces",
     .doc = "a mesh with fewer triangles and nearly the same surface (quadric error)",
     .example = "volvis simplify skin.ply -o small.ply --share 20%",
     .params = &simplify_class,

@@ -284,6 +284,7 @@ const vv_operation vvi_operation_gradient = {
     .api = VV_OPERATION_API,
     .name = "gradient",
     .component = "filter",
+    .group = "edges",
     .doc = "how steep values are, per world length, by central differences; with --vector which way they rise; each "
            "channel separately",
     .example = "volvis gradient head.nrrd -o edges.nrrd --sigma 1mm",
@@ -297,6 +298,7 @@ const vv_operation vvi_operation_laplacian = {
     .api = VV_OPERATION_API,
     .name = "laplacian",
     .component = "filter",
+    .group = "edges",
     .doc = "the sum of second derivatives in the world: above 0 where a value lies below those around it; each channel "
            "separately",
     .example = "volvis laplacian head.nrrd -o edges.nrrd --sigma 1mm",

@@ -365,6 +365,7 @@ const vv_operation vvi_operation_vesselness = {
     .api = VV_OPERATION_API,
     .name = "vesselness",
     .component = "filter",
+    .group = "edges",
     .doc = "how much of a tube is at each sample, from the second derivatives at several scales (Frangi); each channel "
            "separately",
     .example = "volvis vesselness head.nrrd -o vessels.nrrd --sigma 1mm --sigma-most 3mm",

@@ -147,8 +147,7 @@ static bool is_grid_only(const vvi_made *made, size_t index)
     return vv_operation_operand(made->operation, index)->grid_only;
 }
 
-/* Of a series the time step that is asked for; else the only one. */
-static vv_status frame_of(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
+vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
     vv_field_info first, info;
     *out = 0;
@@ -186,7 +185,7 @@ static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t inde
                             vv_job *job)
 {
     int64_t own;
-    const vv_status st = frame_of(&own, made, index, frame, job);
+    const vv_status st = vvi_made_frame(&own, made, index, frame, job);
     return st == VV_OK ? open_samples(out, made, index, own, in_parts, job) : st;
 }
 

@@ -37,9 +37,30 @@ vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_datase
 vv_status vvi_made_params(vv_object **out, const vvi_made *made, vv_job *job);
 /** What its samples will be, as planned, within the limits of what comes from outside. */
 vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job);
+/** Of a series the time step of an input that goes with `frame` of the result; 0 of what has only one. VV_E_ARGUMENT:
+ * the inputs have different numbers of them. */
+vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t input, int64_t frame, vv_job *job);
 /** The sentence of an operation, with the dataset, or its property, that it is about; one that names a file or a
  * property of the World already stays. */
 vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status status);
+
+/** Whether samples of one box can be made without all others: with these parameters a sample depends on those around it
+ * alone, or on what the operation looks at by itself. */
+bool vvi_made_is_local(const vvi_made *made, const vv_object *params);
+
+/** Samples of the inputs of what is made; zeroed is valid to close. */
+typedef struct vvi_made_fields {
+    vv_field *field[VVI_RUN_INPUTS]; /**< NULL: it is left out */
+    size_t n;
+} vvi_made_fields;
+
+/** Works them out where they are made themselves. *out is for vvi_made_fields_close(), also on failure. */
+vv_status vvi_made_fields_open(vvi_made_fields *out, const vvi_made *made, int64_t frame, vv_job *job);
+void vvi_made_fields_close(vvi_made_fields *fields);
+/** The samples of a box of the result, in a grid of their own: the same bytes that vv_dataset_field() has there. *out
+ * is yours. VV_E_UNSUPPORTED: not vvi_made_is_local(); otherwise errors of the operation. */
+vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_fields *fields, const vv_object *params,
+                       const vv_box *box, vv_job *job);
 
 /** A dataset that is made is worked out, unless it is kept: its samples of a time step, or its mesh, yours to release.
  * The job is told what was found when it was worked out (vv_job_finding()), and nothing else. Errors: those of

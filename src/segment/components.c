@@ -164,6 +164,7 @@ const vv_operation vvi_operation_components = {
     .api = VV_OPERATION_API,
     .name = "components",
     .component = "segment",
+    .group = "segmentation",
     .doc = "connected parts, each with a label of its own: 1 is the largest, and the first in the volume of equal ones",
     .example = "volvis components head.nrrd -o parts.nrrd --range 150.. --min-size 50",
     .params = &components_class,

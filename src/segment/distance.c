@@ -270,6 +270,7 @@ const vv_operation vvi_operation_distance = {
     .api = VV_OPERATION_API,
     .name = "distance",
     .component = "segment",
+    .group = "morphology",
     .doc =
         "distance of each voxel from the nearest one of an object, between their centres, in the world: exact, however "
         "uneven the spacing",

@@ -330,6 +330,7 @@ const vv_operation vvi_operation_fill_holes = {
     .api = VV_OPERATION_API,
     .name = "fill-holes",
     .component = "segment",
+    .group = "morphology",
     .doc =
         "background inside labels becomes the label that it touches most; background is 0, and a hole what no border "
         "of the volume is reached from",

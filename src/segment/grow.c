@@ -294,6 +294,7 @@ const vv_operation vvi_operation_grow = {
     .api = VV_OPERATION_API,
     .name = "grow",
     .component = "segment",
+    .group = "segmentation",
     .doc = "the connected part around some points whose values are in a range, as label 1",
     .example = "volvis grow head.nrrd -o part.nrrd --seed 32,32,32 --range 150..",
     .params = &grow_class,

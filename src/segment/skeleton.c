@@ -389,6 +389,7 @@ const vv_operation vvi_operation_skeleton = {
     .api = VV_OPERATION_API,
     .name = "skeleton",
     .component = "segment",
+    .group = "morphology",
     .doc = "thin labels to curves along their middle, one voxel thick, that hang together as the labels do; each label "
            "separately",
     .example = "volvis skeleton head.nrrd -o curves.nrrd --range 150..",

@@ -308,6 +308,7 @@ const vv_operation vvi_operation_threshold = {
     .api = VV_OPERATION_API,
     .name = "threshold",
     .component = "segment",
+    .group = "segmentation",
     .doc = "values to labels: 1 for those inside a range, or a label for each class; NaN is in none and becomes 0",
     .example = "volvis threshold head.nrrd -o bone.nrrd --range 150..",
     .params = &threshold_class,

@@ -455,6 +455,7 @@ const vv_operation vvi_operation_watershed = {
     .api = VV_OPERATION_API,
     .name = "watershed",
     .component = "segment",
+    .group = "segmentation",
     .doc = "basins of the values: each voxel gets the label of the marker, or of the minimum, whose flood reaches it "
            "first",
     .example = "volvis watershed head.nrrd -o basins.nrrd --bright --depth 100 --range 50..",

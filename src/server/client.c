@@ -76,6 +76,7 @@ void vvi_client_leave(vvi_client *client)
     vvi_audit_note(s->audit, vvi_client_actor(client), "leaves", NULL, false);
     vvi_client_save_camera(client);
     vvi_client_drop_shape(client);
+    vvi_client_drop_preview(client);
     vvi_client_drop_jobs(client);
     vvi_made_files_leave(s, client->serial);
     while (*at != client)

@@ -290,6 +290,7 @@ static const struct {
     {"command", vvi_request_command, false},
     {"describe", vvi_request_describe, false},
     {"shape", vvi_request_shape, false},
+    {"preview", vvi_request_preview, false},
 };
 
 static vv_status dispatch(vvi_client *client, const char *type, int64_t id, const json_t *message, int64_t now)

@@ -21,6 +21,7 @@ typedef struct vvi_request_task {
     bool own_folder; /**< its path is in one that is its alone */
     bool changes;    /**< the World, when it has ended */
     bool replace;    /**< a file that is there may be written over */
+    bool whole;      /**< of a preview: all of the data, however large */
     bool exists;     /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
@@ -44,6 +45,8 @@ vv_status vvi_request_add_quick(vvi_request *request);
 /** The answer of a quick one. */
 void vvi_request_answer(vvi_request *request, vv_status st);
 vv_status vvi_request_add_slow(vvi_request *request);
+/** A member "data:TYPE;base64,...". */
+vv_status vvi_request_put_bytes(vvi_result *out, const char *key, const char *type, const uint8_t *bytes, size_t n);
 /** {"text": ...} as the value of the answer; takes the text. */
 void vvi_request_tell_text(vvi_request *request, vvi_text *text);
 /** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they

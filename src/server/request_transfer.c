@@ -128,11 +128,10 @@ vv_status vvi_request_proposals(vvi_client *client, int64_t id, const json_t *me
 
 /* Thumbnails ------------------------------------------------------------------------------------------------------ */
 
-/* "data:image/jpeg;base64,..." */
-static vv_status put_data(vvi_result *out, const uint8_t *bytes, size_t n)
+vv_status vvi_request_put_bytes(vvi_result *out, const char *key, const char *type, const uint8_t *bytes, size_t n)
 {
     vvi_text text = {0};
-    vvi_text_add(&text, "data:image/jpeg;base64,");
+    vvi_text_printf(&text, "data:%s;base64,", type);
     for (size_t i = 0; i < n; i += 3) {
         char group[5] = {0};
         vvi_base64_group(group, bytes + i, n - i < 3 ? n - i : 3);
@@ -141,9 +140,7 @@ static vv_status put_data(vvi_result *out, const uint8_t *bytes, size_t n)
     char *data = vvi_text_take(&text);
     if (!data)
         return vv_fail_memory(2 * n);
-    vvi_result_open(out, NULL, '{');
-    vvi_result_string(out, "picture", data);
-    vvi_result_close(out, '}');
+    vvi_result_string(out, key, data);
     free(data);
     return VV_OK;
 }
@@ -160,8 +157,10 @@ static vv_status draw(vvi_request *r, vv_world *world, vv_job *job)
     vv_status st = vv_render(&image, NULL, world, r->view, NULL, job);
     if (st == VV_OK)
         st = vv_image_encode(&bytes, &n, ".jpg", image, &options, job);
+    vvi_result_open(&r->value, NULL, '{');
     if (st == VV_OK)
-        st = put_data(&r->value, bytes, n);
+        st = vvi_request_put_bytes(&r->value, "picture", "image/jpeg", bytes, n);
+    vvi_result_close(&r->value, '}');
     vv_image_bytes_free(bytes);
     vv_image_release(image);
     return st;

@@ -93,8 +93,9 @@ struct vvi_client {
     char gesture[64];
     vvi_again again;
     vvi_frames frames;
-    bool turning;  /* it is moved by hand, not edited */
-    int64_t shape; /* the task that makes the newest one that was asked for; 0: none */
+    bool turning;    /* it is moved by hand, not edited */
+    int64_t shape;   /* the task that makes the newest one that was asked for; 0: none */
+    int64_t preview; /* the same of a preview */
 };
 
 /* A file that is on no disk. */
@@ -396,6 +397,12 @@ vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *mess
 vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *message);
 /** Nobody waits for the shape that a client has asked for. */
 void vvi_client_drop_shape(vvi_client *client);
+
+/* request_preview.c ---------------------------------------------------------------------------------------------- */
+
+vv_status vvi_request_preview(vvi_client *client, int64_t id, const json_t *message);
+/** The same of a preview. */
+void vvi_client_drop_preview(vvi_client *client);
 
 /* actions.c ------------------------------------------------------------------------------------------------------ */
 

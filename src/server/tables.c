@@ -131,6 +131,7 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
         vvi_result_open(out, NULL, '{');
         vvi_result_string(out, "name", (*row)->name);
         vvi_result_string(out, "component", (*row)->component);
+        vvi_result_string(out, "group", (*row)->group ? (*row)->group : (*row)->component);
         vvi_result_string(out, "doc", (*row)->doc);
         snprintf(name, sizeof name, "operation.%s", (*row)->name);
         vvi_result_string(out, "class", name);

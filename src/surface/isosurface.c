@@ -587,6 +587,7 @@ const vv_operation vvi_operation_isosurface = {
     .api = VV_OPERATION_API,
     .name = "isosurface",
     .component = "surface",
+    .group = "surfaces",
     .doc = "the surface at a value, as triangles (Marching Cubes); a second input gives values at the vertices",
     .example = "volvis isosurface head.nrrd -o skin.ply --iso 50",
     .params = &isosurface_class,

@@ -39,6 +39,7 @@ const vv_operation vvi_operation_smooth = {
     .api = VV_OPERATION_API,
     .name = "smooth",
     .component = "surface",
+    .group = "surfaces",
     .doc = "a smoother mesh, without steps and noise and without shrinking (maximally flat filter)",
     .example = "volvis smooth skin.ply -o smooth.ply --iterations 10",
     .params = &smooth_class,

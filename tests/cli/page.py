@@ -28,8 +28,9 @@ class Frame:
 class Page:
     """One WebSocket, greeted. Use it as `async with`."""
 
-    def __init__(self, server, width=320, height=240, acknowledges=True):
+    def __init__(self, server, width=320, height=240, acknowledges=True, plane=None):
         self.server, self.size, self.acknowledges = server, (width, height), acknowledges
+        self.plane = {"plane": plane} if plane else {}
         self.frames, self.messages, self.ids, self.world, self.pose = [], [], 0, None, None
         self.wanted, self.stirred = "all", False
 
@@ -37,7 +38,7 @@ class Page:
         self.socket = await websockets.connect(
             f"ws://localhost:{self.server.port}/ws", subprotocols=["volvis"], origin=self.server.base,
             extra_headers={"Cookie": self.server.cookie()}, max_size=None, compression=None)
-        await self.say("hello", width=self.size[0], height=self.size[1])
+        await self.say("hello", width=self.size[0], height=self.size[1], **self.plane)
         await self.until(lambda: self.world is not None)
         return self
 

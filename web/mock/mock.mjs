@@ -271,6 +271,19 @@ export async function serve(built, words = []) {
   }
   const jobs = new Map();
 
+  /** A dataset that is made, in the place of what it is made of. */
+  function made(m) {
+    const id = m.operation in world.value.datasets ? `${m.operation}-2` : m.operation;
+    const first = tables.operations.find((row) => row.name === m.operation).inputs[0];
+    const shown = Object.keys(world.value.volumes).filter((volume) => world.value.volumes[volume].data === m.dataset);
+    const inputs = first.named ? m.inputs : { [first.name]: m.dataset, ...m.inputs };
+    changed(world.commit([
+      { op: "add", path: "datasets", id, value: { operation: m.operation, inputs, parameters: m.parameters } },
+      ...shown.slice(0, 1).map((volume) => ({ op: "set", path: `volumes.${volume}.data`, value: id })),
+    ]));
+    return id;
+  }
+
   const ANSWERS = {
     edit: (c, m) => {
       if (readOnly) throw new Error("This session is read-only.");
@@ -295,7 +308,19 @@ export async function serve(built, words = []) {
       if (/taken/.test(m.path) && !m.replace) throw Object.assign(new Error("taken.vv.json already exists, and is left as it is"), { reason: "exists" });
       return { path: m.path };
     },
-    run: (c, m, answer) => { job(m.operation, 3, () => { changed(world.commit([{ op: "set", path: "title", value: `${world.value.title}, ${m.operation}` }])); answer({ dataset: m.dataset }); }); return undefined; },
+    run: (c, m, answer) => { job(m.operation, held ? 3 : 0.3, () => answer({ dataset: made(m) })); return undefined; },
+    write: (c, m) => {
+      if (/taken/.test(m.path) && !m.replace) throw Object.assign(new Error("taken.nrrd already exists, and is left as it is"), { reason: "exists" });
+      return { path: m.path };
+    },
+    preview: (c, m) => {
+      if (/nonsense/.test(JSON.stringify(m.parameters))) throw new Error('parameters.sigma: expected a length, found "nonsense"');
+      const local = m.operation !== "components";
+      if (!local && !m.whole) return { whole: true, full: false, bytes: 21_000_000 };
+      const from = c.plane ? { ...planePose(c.plane), eye: planePose(c.plane).eye.map((v) => v / 11) } : pose();
+      const box = c.plane ? { lo: [0, 0, 63], n: [128, 128, 3], dims: [128, 128, 128], window: [10, 210], before: 143, after: 118.25 } : { lo: [0, 0, 0], n: [128, 128, 128], dims: [128, 128, 128], before: 143, after: 118.25 };
+      return { whole: !local, full: true, bytes: 4_194_304, ...box, picture: `data:image/png;base64,${picture(Math.min(c.width, PIXELS), Math.round((c.height * Math.min(c.width, PIXELS)) / c.width), from, look("fire")).toString("base64")}` };
+    },
     pick: (c, m) => {
       const hit = Math.hypot(m.x - 0.5, m.y - 0.5) < 0.3;
       return { hit, volume: hit ? "ring" : null, position: hit ? [12.5, -31.25, 4] : null, index: hit ? [41, 22, 64] : null, value: hit ? 143 : null, unit: "", depth: hit ? 210.5 : null, text: hit ? "Volume ring, value 143, at 12.5, -31.25, 4 mm" : "Nothing is seen there." };

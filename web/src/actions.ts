@@ -1,6 +1,7 @@
 /** Everything that can be asked for by name: from buttons, keys and the command search. */
 import { signal } from "@preact/signals";
 import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
+import { begin, hindrance } from "./filter/state";
 import { GESTURES } from "./gestures";
 import type { IconName } from "./icons";
 import { bindingsOf, chordOf, keysOfActions } from "./keys";
@@ -24,7 +25,7 @@ export interface Action {
   run: () => void;
 }
 
-const open = (name: "search" | "help" | "save" | "picture" | "sessions") => () => {
+const open = (name: "search" | "help" | "save" | "picture" | "sessions" | "filters") => () => {
   store.dialog.value = { name };
 };
 const mayEdit = () => !store.readOnly.value;
@@ -83,6 +84,7 @@ const own: Action[] = [
   { name: "command", title: "Copy as a command line", group: "File", icon: "terminal", enabled: somethingShown, run: () => void copyCommand() },
   { name: "undo", title: "Undo", group: "Edit", icon: "undo", enabled: () => store.canUndo.value, run: () => step("undo") },
   { name: "redo", title: "Redo", group: "Edit", icon: "redo", enabled: () => store.canRedo.value, run: () => step("redo") },
+  { name: "filter", title: "Filter", doc: "all operations on data, with a preview", group: "Edit", icon: "operation", enabled: () => mayEdit() && somethingShown(), run: open("filters") },
   { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
   { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", enabled: mayEdit, run: addCutPlane },
   { name: "cut", title: "Cut plane on or off", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: toggleCutPlane },
@@ -133,10 +135,10 @@ function operations(): Action[] {
     name: `operation-${operation.name}`,
     title: label(operation.name),
     doc: operation.doc,
-    group: label(operation.component),
+    group: label(operation.group),
     icon: "operation" as const,
-    enabled: () => mayEdit() && store.datasetsFor(operation.inputs[0]).length > 0,
-    run: () => { store.dialog.value = { name: "operation", operation: operation.name }; },
+    enabled: () => hindrance(operation) === "",
+    run: () => begin(operation.name),
   }));
 }
 

@@ -2,6 +2,8 @@
 import { useEffect, useState } from "preact/hooks";
 import { handleKey } from "./actions";
 import { Dialogs } from "./dialogs/dialogs";
+import { FilterPanel } from "./filter/panel";
+import { plan } from "./filter/state";
 import { Inspector } from "./inspector/inspector";
 import { ConnectionNotice, LiveRegion, Notices } from "./notices";
 import { Rail } from "./scene/rail";
@@ -57,7 +59,7 @@ export function App() {
         <ConnectionNotice />
         {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: add to the scene.</p></div> : null}
       </main>
-      {store.rightOpen.value ? <Inspector /> : null}
+      {store.rightOpen.value ? (plan.value ? <FilterPanel /> : <Inspector />) : null}
       <StatusBar />
       <Notices />
       <Dialogs />

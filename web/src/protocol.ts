@@ -44,6 +44,8 @@ export interface Operand {
 export interface Operation {
   name: string;
   component: string;
+  /** Of a menu: "smoothing". */
+  group: string;
   doc: string;
   class: string;
   inputs: Operand[];

@@ -2,6 +2,7 @@
 import { batch } from "@preact/signals";
 import { KnownWorld } from "./changes";
 import { Connection, takeToken } from "./connection";
+import { plan } from "./filter/state";
 import { Finality, parseFrame, type Frame } from "./frames";
 import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
@@ -211,8 +212,8 @@ function takeJob(message: JobMessage): void {
   // One runs at a time, and of ends a page that reads slowly hears the newest alone.
   const others = store.jobs.value.filter((job) => job.job !== message.job);
   store.jobs.value = message.state === "running" ? [message] : others;
-  // The dialog that asked waits for the same answer, and shows it there.
-  const shown = ["open", "operation", "picture"].includes(store.dialog.value?.name ?? "");
+  // The dialog or panel that asked waits for the same answer, and shows it there.
+  const shown = ["open", "write", "picture"].includes(store.dialog.value?.name ?? "") || plan.value?.operation.name === message.name;
   if (message.state === "failed" && !shown) store.notify("error", message.error ?? `${message.name} failed.`);
   if (message.state === "cancelled") store.notify("info", `${message.name} was cancelled.`);
   if (message.state === "done") store.announcement.value = `${message.name} is done.`;

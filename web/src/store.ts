@@ -59,7 +59,7 @@ export const heldCrossHair = signal<[number, number, number] | null>(null);
 
 export type Dialog =
   | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture"; plain?: boolean }
-  | { name: "sessions" } | { name: "command"; text: string } | { name: "operation"; operation: string };
+  | { name: "sessions" } | { name: "command"; text: string } | { name: "filters"; after?: string } | { name: "write"; dataset: string };
 export const dialog = signal<Dialog | null>(null);
 
 /** Pages that look at this scene: viewports of this one are clients of their own. */

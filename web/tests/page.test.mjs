@@ -266,7 +266,7 @@ describe("the page", TOGETHER, () => {
     await search(page, "gaussian");
     await page.getByRole("textbox", { name: "Sigma", exact: true }).fill("2mm");
     await page.keyboard.press("Tab");
-    await page.getByRole("button", { name: "Run" }).click();
+    await page.getByRole("button", { name: "Apply", exact: true }).click();
     await page.getByRole("progressbar").waitFor();
     assert.deepEqual(page.sent.find((m) => m.type === "run").parameters, { sigma: "2mm" });
     await page.getByRole("button", { name: "Cancel gaussian" }).click();

@@ -38,7 +38,7 @@ describe("the program behind the page", TOGETHER, () => {
     await search(page, "gaussian");
     await page.getByRole("textbox", { name: "Sigma", exact: true }).fill("3mm");
     await page.keyboard.press("Tab");
-    await page.getByRole("button", { name: "Run" }).click();
+    await page.getByRole("button", { name: "Apply", exact: true }).click();
     await page.locator(".tree-name", { hasText: "gaussian" }).waitFor();
     const smooth = await changed(page, cut, 45, "it was not smoothed");
 
@@ -165,8 +165,9 @@ describe("the program behind the page", TOGETHER, () => {
     await page.locator("dialog").waitFor({ state: "detached" });
     for (const name of ["isosurface", "simplify"]) {
       await search(page, name);
-      await page.getByRole("button", { name: "Run" }).click();
+      await page.getByRole("button", { name: "Apply", exact: true }).click();
       await page.locator(".tree-name", { hasText: new RegExp(`${name}$`) }).waitFor();
+      await page.locator(".filter-panel").waitFor({ state: "detached" });
     }
     await changed(page, first, 30, "no surface is seen");
     if (process.env.VOLVIS_SHOT) await page.screenshot({ path: process.env.VOLVIS_SHOT });
@@ -174,6 +175,62 @@ describe("the program behind the page", TOGETHER, () => {
     await page.keyboard.press("Control+z");
     await page.keyboard.press("Control+z");
     await back(page, first, "undo shows another picture");
+  }));
+
+  test("a filter is previewed, applied, switched off and removed: samples are those that the preview told", { skip }, () => withProgram(QUICK, async (page) => {
+    const told = page.locator(".preview-values dd").first();
+    /** Values at the cross-hair before and after, once they are others than `not`. */
+    const values = async (not = []) => {
+      let now;
+      await until(async () => {
+        now = (await told.textContent({ timeout: 1000 }).catch(() => "")).split("→").map((text) => text.trim());
+        return now.length === 2 && String(now) !== String(not);
+      }, `the preview stays at ${not}`);
+      return now;
+    };
+    const begin = async (name) => { await search(page, name); await page.locator(".filter-panel h2", { hasText: new RegExp(name, "i") }).waitFor(); };
+    const close = () => page.locator(".filter-panel").getByRole("button", { name: "Cancel" }).click();
+    await waitForPicture(page);
+    await page.locator("[data-viewport]").focus();
+    await page.keyboard.press("v");
+    await page.keyboard.press("v");
+    await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor();
+    await begin("gaussian");
+    for (const plane of ["axial", "coronal", "sagittal"]) await page.locator(`[data-preview=${plane}] img`).waitFor();
+    const sigma = page.getByRole("textbox", { name: "Sigma", exact: true });
+    const first = await values();
+    await sigma.fill("9mm");
+    await page.keyboard.press("Enter");
+    const second = await values(first);
+    assert.equal(second[0], first[0]);
+    await sigma.fill("nonsense");
+    await page.keyboard.press("Enter");
+    await page.getByRole("alert").filter({ hasText: /^Sigma: / }).waitFor();
+    await sigma.fill("9mm");
+    await page.keyboard.press("Enter");
+    await page.locator("[data-preview=axial] img").waitFor();
+    assert.deepEqual((await page.locator(".tree-name").allTextContents()).filter((text) => /gaussian/.test(text)), []); // nothing has been run
+    await page.getByRole("button", { name: "Apply", exact: true }).click();
+    await page.locator(".pipeline .step-title", { hasText: "Gaussian" }).waitFor();
+
+    await begin("median");
+    assert.equal((await values())[0], second[1]);
+    await close();
+    await page.locator(".tree-name", { hasText: "gaussian" }).last().click();
+    await page.getByRole("switch", { name: "Gaussian is applied" }).click();
+    await page.locator(".step-off").waitFor();
+    await begin("median");
+    assert.equal((await values())[0], first[0]);
+    await close();
+    await page.getByRole("button", { name: "Remove Gaussian" }).click();
+    await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ state: "detached" });
+    for (const state of ["off", "on"]) {
+      await page.keyboard.press("Control+z");
+      await page.locator(".tree-name", { hasText: "gaussian" }).last().click();
+      await page.locator(state === "off" ? ".step-off" : ".step:not(.step-off):not(.step-source)").waitFor();
+    }
+    await begin("median");
+    assert.equal((await values())[0], second[1]);
   }));
 
   test("a colour map is moved by its ends", { skip }, () => withProgram(QUICK, async (page) => {

@@ -3,9 +3,19 @@ import { clickAt, search } from "./browser.mjs";
 
 const select = (page, name) => page.locator(".tree-name", { hasText: name }).click();
 async function gaussian(page) {
-  await page.locator(".component-menu summary").first().click();
-  await page.getByRole("button", { name: "Gaussian" }).click();
-  await page.getByRole("button", { name: "Run" }).waitFor();
+  await page.locator(".component", { hasText: "Filter" }).click();
+  await page.getByRole("button", { name: /^Gaussian/ }).click();
+  await page.locator("[data-preview]").first().waitFor();
+}
+/** A chain of three steps, the second of which is open. */
+async function chain(page) {
+  for (const name of ["gaussian", "median", "threshold"]) {
+    await search(page, name);
+    await page.getByRole("button", { name: "Apply" }).click();
+    await page.locator(".pipeline .step-title", { hasText: new RegExp(name, "i") }).waitFor();
+  }
+  await page.getByRole("switch", { name: "Median is applied" }).click();
+  await page.locator(".step-off").waitFor();
 }
 const layout = async (page, presses) => {
   await page.locator("[data-viewport]").focus();
@@ -32,7 +42,7 @@ export const states = [
     await page.getByRole("button", { name: "The page also draws at rest" }).click();
     await page.getByText("drawn by the page").waitFor();
   } },
-  { name: "menu", go: async (page) => { await page.locator(".component-menu summary").first().click(); } },
+  { name: "menu", go: async (page) => { await page.locator(".component", { hasText: "Filter" }).click(); await page.locator(".filter-entry").first().waitFor(); } },
   { name: "search", go: async (page) => { await page.keyboard.press("Control+k"); await page.waitForSelector(".search-list"); } },
   { name: "search-words", go: async (page) => { await search(page, "opac", { runs: false }); await page.locator(".search-row[aria-selected=true]", { hasText: /opac/i }).waitFor(); } },
   { name: "help", go: async (page) => { await page.getByRole("button", { name: "Keys and gestures" }).click(); await page.locator("dialog[open]").waitFor(); } },
@@ -41,11 +51,19 @@ export const states = [
   { name: "save", go: async (page) => { await page.getByRole("button", { name: "Save the scene" }).click(); await page.getByText("scans").waitFor(); } },
   { name: "save-picture", go: async (page) => { await page.getByRole("button", { name: "Save a picture" }).click(); await page.locator("dialog[open]").waitFor(); } },
   { name: "operation", go: gaussian },
-  { name: "operation-pointed-at", go: async (page) => { await gaussian(page); await page.getByRole("button", { name: "Run" }).hover(); } },
+  { name: "operation-pointed-at", go: async (page) => { await gaussian(page); await page.getByRole("button", { name: "Apply" }).hover(); } },
+  { name: "operation-slices", go: async (page) => {
+    await layout(page, 2);
+    await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor();
+    await search(page, "gaussian");
+    await page.locator("[data-preview=sagittal]").waitFor();
+  } },
+  { name: "operation-whole", go: async (page) => { await search(page, "components"); await page.getByText("looks at all samples").waitFor(); } },
+  { name: "pipeline", go: chain },
+  { name: "pipeline-insert", go: async (page) => { await chain(page); await page.getByRole("button", { name: "Add a step" }).click(); await page.locator(".filter-entry").first().waitFor(); } },
   { name: "job", go: async (page) => {
     await gaussian(page);
-    await page.getByRole("button", { name: "Run" }).click();
-    await page.locator("dialog").waitFor({ state: "detached" });
+    await page.getByRole("button", { name: "Apply" }).click();
     await page.waitForSelector(".job");
   } },
   { name: "picked", go: async (page) => {

@@ -18,7 +18,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 4
+#define VV_OPERATION_API 5
 #define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
@@ -177,6 +177,7 @@ struct vv_operation {
     /** The time steps of its inputs follow each other in the result: plan sees all inputs, all others one time step of
      * one of them at a time. vv_run_new() runs it. */
     bool joins;
+    const char *group; /**< where menus list it: "smoothing", "edges", ...; NULL: under its component */
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */

@@ -1,8 +1,8 @@
 /** The dialog that is open, if any. */
 import { dialog } from "../store";
-import { CommandDialog, OpenDialog, PictureDialog, SaveDialog } from "./files";
+import { FilterMenu } from "../filter/menu";
+import { CommandDialog, OpenDialog, PictureDialog, SaveDialog, WriteDialog } from "./files";
 import { HelpDialog } from "./help";
-import { OperationDialog } from "./operation";
 import { SearchDialog } from "./search";
 import { SessionsDialog } from "./sessions";
 
@@ -16,7 +16,8 @@ export function Dialogs() {
     case "picture": return <PictureDialog plain={open.plain ?? false} />;
     case "sessions": return <SessionsDialog />;
     case "command": return <CommandDialog text={open.text} />;
-    case "operation": return <OperationDialog key={open.operation} name={open.operation} />;
+    case "filters": return <FilterMenu after={open.after} />;
+    case "write": return <WriteDialog dataset={open.dataset} />;
     default: return null;
   }
 }

@@ -62,18 +62,27 @@ export function OpenDialog({ add }: { add: boolean }) {
 }
 
 export function SaveDialog() {
+  return <SaveAs title="Save the scene" first="scene.vv.json" message={{ type: "save" }} />;
+}
+
+/** Samples or triangles; the suffix says in which format. */
+export function WriteDialog({ dataset }: { dataset: string }) {
+  return <SaveAs title={`Save ${dataset} as a file`} first={`${dataset}${store.isMeshData(dataset) ? ".ply" : ".nrrd"}`} message={{ type: "write", dataset }} />;
+}
+
+function SaveAs({ title, first, message }: { title: string; first: string; message: { type: string; [name: string]: unknown } }) {
   const [folder, setFolder] = useState(startFolder); // Enter may come before the list does
-  const [name, setName] = useState("scene.vv.json");
+  const [name, setName] = useState(first);
   const [error, request] = useRequest();
   const [there, setThere] = useState(""); // the path of a file that would be replaced
   const path = joinPath(folder, name);
-  const save = (replace = false) => request({ type: "save", path, replace }, ((value: { path: string }) => {
-    store.notify("info", `Saved as ${value.path}.`);
+  const save = (replace = false) => request({ ...message, path, replace }, ((value: { path: string; note?: string }) => {
+    store.notify("info", `Saved as ${value.path}.${value.note ? ` ${value.note}` : ""}`);
     closeDialog();
   }) as (value: never) => void, (refused) => setThere(refused instanceof Refusal && refused.reason === "exists" ? path : ""));
   const isThere = there !== "" && there === path;
   return (
-    <Modal title="Save the scene" wide>
+    <Modal title={title} wide>
       <FolderBrowser picked={path} onFolder={setFolder} onPick={(full) => setName(full.split("/").pop()!)} onRun={() => {}} />
       <label class="dialog-row">
         <span>Name</span>

@@ -30,6 +30,18 @@ export function valueScale(row: Property): SliderScale | null {
   return { toShare: (value) => (value - lo) / (hi - lo), toValue: (share) => Number((lo + share * (hi - lo)).toPrecision(4)) };
 }
 
+const VOXELS_MOST = 10;
+
+/** Of a length that an operation takes: up to ten voxels of the data. */
+export function voxelScale(row: Property, path: string, isParameter: boolean): SliderScale | null {
+  const volume = store.currentVolume.value;
+  const info = volume ? store.dataInfos.value[store.datasetOf(volume) ?? ""] : undefined;
+  const spacing = info && typeof info !== "string" && Array.isArray(info["spacing"]) ? info["spacing"].map(Number).filter((v) => v > 0) : [];
+  if (row.quantity !== "length" || !spacing.length || !(isParameter || /^datasets\.[^.]+\.parameters\./.test(path))) return null;
+  const most = VOXELS_MOST * Math.min(...spacing);
+  return { toShare: (value) => value / most, toValue: (share) => Number((share * most).toPrecision(3)) };
+}
+
 /** From side to side along the plane's normal. The camera looks at the middle of what is shown, unless somebody made it look elsewhere. */
 export function cutPlaneScale(path: string): SliderScale | null {
   if (!/(^|\.)cut_planes\.\d+\.offset$/.test(path)) return null;

@@ -1,4 +1,6 @@
 /** The right panel: the properties of what is selected, made from the tables of its class. */
+import { isMade } from "../filter/chain";
+import { Pipeline } from "../filter/pipeline";
 import { Icon } from "../icons";
 import { tryEdit } from "../session";
 import * as store from "../store";
@@ -26,8 +28,16 @@ function Head({ path, className }: { path: string; className: string }) {
   );
 }
 
+/** The dataset whose making is told: that which is selected, or which the selected volume shows. */
+function madeAt(path: string): string | null {
+  const [map, id] = path.split(".");
+  const dataset = map === "datasets" ? id : map === "volumes" && id ? store.datasetOf(id) : null;
+  return dataset && isMade(store.world.value, dataset) ? dataset : null;
+}
+
 export function Inspector() {
   const path = store.selection.value;
+  const made = madeAt(path);
   const className = classAt(store.classes.value, path);
   const rows = className ? store.classes.value[className] : undefined;
   return (
@@ -36,8 +46,9 @@ export function Inspector() {
         <>
           <Head path={path} className={className} />
           <div class="inspector-body" key={path}>
+            {made ? <Pipeline key={made} dataset={made} /> : null}
             {className === "volume" && !store.isMesh(path.split(".")[1]!) ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
-            <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : []} />
+            <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : made ? ["on", "parameters"] : []} />
           </div>
         </>
       ) : (

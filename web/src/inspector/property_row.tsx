@@ -8,7 +8,7 @@ import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
 import { flawOf, formatNumber, label, parseEntry, parseLabel, parseRow, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
-import { cutPlaneScale, valueScale } from "./data_scales";
+import { cutPlaneScale, valueScale, voxelScale } from "./data_scales";
 import { sentence, type ParameterStore } from "./properties";
 
 interface RowContext {
@@ -22,6 +22,8 @@ interface RowContext {
   placeholder: string;
   unit: string;
   disabled: boolean;
+  /** Of an operation that has not run. */
+  isParameter: boolean;
   error: string;
   describedBy: string;
   commit(value: Json | undefined): void;
@@ -73,6 +75,7 @@ export function PropertyRow({ path, row, base }: { path: string; row: Property; 
     id, path, row, set, value: set ?? worked ?? (row.automatic ? undefined : row.default), unit, error, commit,
     placeholder: automaticText(row, worked, unit),
     disabled: !base && store.readOnly.value,
+    isParameter: base !== undefined,
     describedBy: error ? `${id}-error` : `${id}-doc`,
     begin: () => { gesture.current ??= new Gesture(setError); },
     drag: (value) => {
@@ -127,7 +130,8 @@ function stepOf(row: Property, value: number): number {
 }
 
 function NumberControl(c: RowContext) {
-  const scale = sliderScale(c.row) ?? cutPlaneScale(c.path) ?? valueScale(c.row);
+  const lengths = voxelScale(c.row, c.path, c.isParameter);
+  const scale = sliderScale(c.row) ?? cutPlaneScale(c.path) ?? valueScale(c.row) ?? lengths;
   const value = typeof c.value === "number" ? c.value : null;
   const labelled = c.row.quantity === "label";
   const shown = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
@@ -139,7 +143,7 @@ function NumberControl(c: RowContext) {
       invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(labelled ? parseLabel(text) : parseEntry(text))}
     />
   );
-  if (!scale || (value === null && own === null)) return field;
+  if (!scale || (value === null && own === null && !lengths)) return field;
   return (
     <span class="slider-field">
       <Slider

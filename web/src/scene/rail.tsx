@@ -1,10 +1,9 @@
 /** The left rail: the system's components, what the scene is made of, and what is known of the data. */
-import { addObject } from "../actions";
+import { addObject, runAction } from "../actions";
 import { addCutPlane } from "../cut_planes";
 import { Icon, type IconName } from "../icons";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
-import { label } from "../values";
 import { DataCard } from "./data_card";
 import { SceneTree } from "./tree";
 
@@ -19,8 +18,6 @@ function components(): { name: string; doc: string; icon: IconName; path: string
 }
 
 function Components() {
-  const operations = store.welcome.value?.operations ?? [];
-  const groups = [...new Set(operations.map((operation) => operation.component))];
   return (
     <nav class="components" aria-label="Components">
       {components().map(({ name, doc, icon, path }) => (
@@ -32,36 +29,14 @@ function Components() {
           <span>{name}</span>
         </button>
       ))}
-      {groups.map((group) => <OperationMenu key={group} group={group} />)}
+      <button
+        type="button" class="component" title="all operations on data, with a preview" disabled={store.isEmpty.value || store.readOnly.value}
+        aria-haspopup="dialog" onClick={() => runAction("filter")}
+      >
+        <Icon name="operation" />
+        <span>Filter</span>
+      </button>
     </nav>
-  );
-}
-
-const GROUP_ICONS: { [group: string]: IconName } = { surface: "mesh", filter: "operation", measure: "measure" };
-
-/** The operations of one component; each opens its dialog. */
-function OperationMenu({ group }: { group: string }) {
-  const operations = (store.welcome.value?.operations ?? []).filter((operation) => operation.component === group);
-  return (
-    <details class="component-menu" name="component-menu">
-      <summary class="component">
-        <Icon name={GROUP_ICONS[group] ?? "operation"} />
-        <span>{label(group)}</span>
-        <Icon name="down" />
-      </summary>
-      <ul>
-        {operations.map((operation) => (
-          <li key={operation.name}>
-            <button
-              type="button" class="menu-item" title={operation.doc} disabled={store.isEmpty.value || store.readOnly.value}
-              onClick={() => { store.dialog.value = { name: "operation", operation: operation.name }; }}
-            >
-              {label(operation.name)}
-            </button>
-          </li>
-        ))}
-      </ul>
-    </details>
   );
 }
 

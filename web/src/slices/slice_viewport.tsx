@@ -2,6 +2,7 @@
 import { useSignalEffect } from "@preact/signals";
 import type { TargetedEvent } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { PreviewOverlay } from "../filter/preview";
 import { fetchInfo } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
@@ -90,6 +91,7 @@ function SliceViewport({ plane }: { plane: Plane }) {
         aria-label={`${label(plane)} slice: arrow keys step, plus and minus zoom, Enter fills the page`}
       >
         <canvas ref={canvas} class="picture" role="img" aria-label={`${label(plane)} slice`} />
+        <PreviewOverlay viewport={plane} ask={(message) => view.ask(message)} frame={view.frame.value?.number ?? 0} still={view.isFinal.value && !hidden} />
         <CrossHair view={view} width={width!} height={height!} />
       </div>
       <div class="slice-bar">

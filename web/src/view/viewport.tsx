@@ -1,12 +1,13 @@
 /** The Navigator's viewport: the server's pictures and the page's own, what the hands do on them, and a few words over them. */
 import { useEffect, useRef } from "preact/hooks";
 import { asksWhere, ownsKey } from "../actions";
+import { NavigatorPreview } from "../filter/preview";
 import { drawFrame } from "../frames";
 import { ViewportInput } from "../input/viewport_input";
 import { DrawingChooser, OwnState } from "../navigator/chooser";
 import { shown } from "../navigator/choice";
 import { OwnDrawing } from "../navigator/own_drawing";
-import { attachPainter, expectInput, pick, resize, send } from "../session";
+import { ask, attachPainter, expectInput, pick, resize, send } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { AxesGizmo } from "./axes";
@@ -54,6 +55,7 @@ export function Viewport() {
       >
         <canvas ref={canvas} class="picture" role="img" aria-busy={isBusy.value} aria-label={store.description.value || "The picture of the scene"} />
         <canvas ref={drawn} class="own-drawing" aria-hidden="true" />
+        <NavigatorPreview ask={(message) => ask(message)} outdated={store.outdated} />
         <Probe />
       </div>
       <p id="scene-description" class="hidden">

@@ -1,0 +1,163 @@
+"""Previews of operations: what a page sees before anything is run is what it sees after, and what `volvis NAME` writes."""
+import base64
+import io
+
+import numpy as np
+from PIL import Image
+
+from harness import main, ok, write_samples
+from nrrd_reader import Nrrd
+
+try:
+    from page import Page, Server, run
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+SHAPE = (15, 21, 27)  # z, y, x
+
+
+def noisy():
+    z, y, x = np.indices(SHAPE)
+    ball = 800 * ((x - 13) ** 2 + (y - 10) ** 2 + (z - 7) ** 2 < 36)
+    return (ball + np.random.default_rng(7).integers(0, 200, SHAPE)).astype("u2")
+
+
+def write(samples):
+    kind = {"u1": "uint8", "u2": "uint16"}[samples.dtype.str[1:]]
+    write_samples("a.nrrd", samples.shape[::-1], samples.tobytes(), kind=kind)
+
+
+def decoded(data):
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+
+
+def picture(preview):
+    kind, text = preview["picture"].split(",")
+    assert kind == "data:image/png;base64", kind
+    return decoded(base64.b64decode(text))
+
+
+async def apply(page, operation, parameters, **inputs):
+    await page.ask("edit", edits=[
+        {"op": "add", "path": "datasets", "id": "made", "value": {"operation": operation, "inputs": {"volume": "a", **inputs}, "parameters": parameters}},
+        {"op": "set", "path": "volumes.a.data", "value": "made"}])
+    shown = decoded((await page.resting()).data)
+    await page.ask("undo")
+    return shown
+
+
+def on_slices(work, *words):
+    write(noisy())
+    with Server("a.nrrd", "--set", "volumes.a.slices.window_lo=0", "--set", "volumes.a.slices.window_hi=1000", "--set", "cross_hair=[13,10,7]", *words) as server:
+        async def all_planes():
+            for plane in ("axial", "coronal", "sagittal"):
+                async with Page(server, 200, 150, plane=plane) as page:
+                    await work(page)
+        run(all_planes())
+
+
+def test_a_preview_of_a_slice_is_the_slice_of_what_is_run():
+    steps = {"gaussian": {"sigma": "1.5vox"}, "median": {"radius": "1vox"}, "dilate": {}, "unsharp": {"amount": 2},
+             "resample": {"spacing": "1.5"}, "pad": {"all": 3}}
+
+    async def work(page):
+        before = decoded((await page.resting()).data)
+        for operation, parameters in steps.items():
+            preview = await page.ask("preview", operation=operation, dataset="a", parameters=parameters)
+            assert not preview["whole"] and preview["full"], preview
+            assert (picture(preview) == await apply(page, operation, parameters)).all(), operation
+            assert (picture(preview) != before).any(), operation
+            assert min(preview["n"]) <= 6 < max(preview["n"]), preview["n"]  # a slab and not the volume
+    on_slices(work)
+
+
+def test_values_at_the_cross_hair_are_those_of_the_file_that_the_operation_writes():
+    write(noisy())
+    ok("gaussian", "a.nrrd", "--sigma", "2vox", "-o", "smooth.nrrd")
+    truth = Nrrd("smooth.nrrd").data
+
+    async def work(page):
+        for x, y, z in ((13, 10, 7), (0, 20, 14), (4, 4, 3)):
+            await page.edit(("set", "cross_hair", [x, y, z]))
+            preview = await page.ask("preview", operation="gaussian", dataset="a", parameters={"sigma": "2vox"})
+            assert preview["before"] == noisy()[z, y, x], preview
+            assert preview["after"] == truth[x, y, z], (preview["after"], truth[x, y, z])
+    on_slices(work)
+
+
+def test_what_needs_the_whole_says_so_unless_the_volume_is_small():
+    async def work(page):
+        small = await page.ask("preview", operation="equalize", dataset="a", parameters={})
+        assert small["picture"]
+        lit = await page.ask("preview", operation="components", dataset="a", parameters={})
+        assert lit["whole"] and lit["full"] and lit["picture"], lit
+        assert (picture(lit) == await apply(page, "components", {})).all()
+    on_slices(work)
+    write(np.zeros((80, 80, 80), "u1"))
+    with Server("a.nrrd") as server:
+        async def large():
+            async with Page(server, 200, 150, plane="axial") as page:
+                told = await page.ask("preview", operation="components", dataset="a", parameters={})
+                assert told["whole"] and not told["full"] and "picture" not in told, told
+                assert told["bytes"] >= 2 * 80 ** 3, told
+                assert "picture" in await page.ask("preview", operation="components", dataset="a", whole=True)
+        run(large())
+
+
+def test_a_preview_is_seen_in_three_dimensions_and_leaves_no_trace():
+    write(noisy())
+    with Server("a.nrrd") as server:
+        async def work():
+            async with Page(server, 200, 150) as page:
+                before = decoded((await page.resting()).data)
+                number, data = page.world["number"], set(page.world["world"]["datasets"])
+                preview = await page.ask("preview", operation="gaussian", dataset="a", parameters={"sigma": "3vox"})
+                assert preview["full"] and preview["n"] == list(SHAPE[::-1]), preview
+                assert (picture(preview) != before).any()
+                surface = await page.ask("preview", operation="isosurface", dataset="a", parameters={"iso": 500})
+                assert surface["whole"] and (picture(surface) != picture(preview)).any()
+                await page.told()
+                assert page.world["number"] == number and set(page.world["world"]["datasets"]) == data
+        run(work())
+
+
+def test_the_newest_preview_counts():
+    write(np.random.default_rng(1).integers(0, 200, (96, 96, 96)).astype("u2"))
+    with Server("a.nrrd") as server:
+        async def work():
+            async with Page(server, 200, 150) as page:
+                await page.resting()
+                for id_ in (1001, 1002):
+                    await page.say("preview", id=id_, operation="denoise", dataset="a", parameters={"radius": f"{id_ - 998}vox"}, whole=True)
+                last = await page.ask("preview", operation="gaussian", dataset="a", parameters={"sigma": "1vox"})
+                said = {m["id"]: m["ok"] for m in page.messages if m["type"] == "answer" and m["id"] > 1000}
+                assert said == {1001: False, 1002: False}, said
+                assert last["picture"]
+        run(work())
+
+
+def test_refusals_name_the_property():
+    async def work(page):
+        for wanted, members in (("parameters.sigma: ", {"operation": "gaussian", "parameters": {"sigma": "lots"}}),
+                                ("parameters.sigmo: ", {"operation": "gaussian", "parameters": {"sigmo": 1}}),
+                                ("expected an object of parameters", {"operation": "gaussian", "parameters": 3}),
+                                ("inputs", {"operation": "mask", "parameters": {}}),
+                                ("gaussian", {"operation": "gausian"}),
+                                ("which slices do not show", {"operation": "isosurface", "parameters": {"iso": 500}}),
+                                ("no visible volume shows 'b'", {"operation": "gaussian", "dataset": "b"}),
+                                ("needs an operation", {})):
+            said = await page.refused("preview", **{"dataset": "a", **members})
+            assert wanted in said, said
+    on_slices(work)
+
+
+def test_who_only_looks_may_look_at_previews_too():
+    write(noisy())
+    with Server("--root", ".", "--read-only", "a.nrrd", verb="serve") as server:
+        async def work():
+            async with Page(server, 200, 150, plane="axial") as page:
+                assert (await page.ask("preview", operation="mean", dataset="a", parameters={}))["picture"]
+        run(work())
+
+
+main()

@@ -1,0 +1,160 @@
+/** The panel of an operation, in the inspector's place: its inputs and parameters, and what the preview shows. */
+import { useState } from "preact/hooks";
+import { copyText } from "../actions";
+import { Properties, sentence } from "../inspector/properties";
+import type { Operand } from "../protocol";
+import { ask, edit, tryAsk } from "../session";
+import * as store from "../store";
+import { IconButton, Select, Switch } from "../ui/controls";
+import { formatBytes, formatNumber, freeName, label, titleOf, valueAt } from "../values";
+import { insertStep } from "./chain";
+import { change, hindrance, isComplete, plan, previewOn, previews, recipe, request, setParameter, waiting, type Plan, type Preview } from "./state";
+
+const NONE = "";
+const LETTERS = "abcdefghijklmnop";
+
+function options(operand: Operand) {
+  return store.datasetsFor(operand).map((id) => ({ value: id, text: titleOf(valueAt(store.world.value, `datasets.${id}`), id) }));
+}
+
+function InputRow({ name, operand, value, optional, onChange }: { name: string; operand: Operand; value: string; optional?: boolean; onChange: (id: string) => void }) {
+  const id = `operation-input-${name}`;
+  return (
+    <div class="row">
+      <label class="row-label" for={id} title={sentence(operand.doc)}>{label(name)}</label>
+      <div class="row-control"><Select id={id} value={value} options={[...(optional ? [{ value: NONE, text: "(none)" }] : []), ...options(operand)]} onChange={onChange} /></div>
+    </div>
+  );
+}
+
+/** Those that an expression speaks of: a, b, c ... */
+function NamedInputs({ of, operand }: { of: Plan; operand: Operand }) {
+  const names = Object.keys(of.inputs);
+  const next = [...LETTERS].find((letter) => !names.includes(letter));
+  return (
+    <>
+      {names.map((name) => (
+        <InputRow key={name} name={name} operand={operand} value={of.inputs[name] ?? NONE} onChange={(id) => change({ inputs: { ...of.inputs, [name]: id } })} />
+      ))}
+      {next && names.length < operand.most ? (
+        <button type="button" class="button button-small" onClick={() => change({ inputs: { ...of.inputs, [next]: options(operand)[0]?.value ?? NONE } })}>Add input {next}</button>
+      ) : null}
+    </>
+  );
+}
+
+function InputRows({ of }: { of: Plan }) {
+  const [first, ...others] = of.operation.inputs;
+  const named = of.operation.inputs.find((operand) => operand.named);
+  return (
+    <div class="rows">
+      {named ? <NamedInputs of={of} operand={named} /> : <InputRow name={first!.name} operand={first!} value={of.dataset} onChange={(dataset) => change({ dataset })} />}
+      {others.filter((operand) => !operand.named).map((operand) => (
+        <InputRow
+          key={operand.name} name={operand.name} operand={operand} value={of.inputs[operand.name] ?? NONE} optional={operand.least === 0}
+          onChange={(id) => change({ inputs: { ...of.inputs, [operand.name]: id } })}
+        />
+      ))}
+    </div>
+  );
+}
+
+const times = (n: number[]) => n.join(" × ");
+
+/** Which samples the previews show. */
+function extent(shown: Preview[]): string {
+  const one = shown[0]!;
+  if (one.whole) return one.n ? `All ${times(one.n)} samples.` : "All of it.";
+  const part = shown.find((preview) => !preview.full);
+  if (part?.n) return `A box of ${times(part.n)} samples around the cross-hair: more would take too long.`;
+  return shown.length > 1 ? "The parts that the slices show." : `What is seen: ${times(one.n ?? [])} of ${times(one.dims ?? [])} samples.`;
+}
+
+function PreviewState({ of }: { of: Plan }) {
+  const all = Object.values(previews.value);
+  const shown = all.filter((value): value is Preview => typeof value !== "string");
+  const refusal = all.find((value): value is string => typeof value === "string");
+  const pictures = shown.filter((preview) => preview.picture);
+  const value = pictures.find((preview) => preview.after !== undefined);
+  const large = shown.find((preview) => preview.whole && !preview.picture);
+  const flawed = refusal !== undefined && pictures.length === 0;
+  return (
+    <section class="preview-state" aria-label="Preview" aria-busy={waiting.value > 0}>
+      <div class="preview-head">
+        <span id="preview-on-label">Preview</span>
+        <Switch id="preview-on" on={previewOn.value} onChange={(on) => { previewOn.value = on; }} />
+      </div>
+      {flawed ? <p class="row-error" role="alert">{sentence(refusal.replace(/^parameters\./, ""))}</p> : null}
+      {large ? (
+        <p class="preview-note">
+          {label(of.operation.name)} looks at all samples at once: about {formatBytes(large.bytes)}.{" "}
+          <button type="button" class="button button-small" onClick={() => change({ whole: true })}>Preview the whole</button>
+        </p>
+      ) : null}
+      {pictures.length ? <p class="preview-note">{extent(pictures)}</p> : null}
+      {value ? (
+        <dl class="preview-values">
+          <div><dt>At the cross-hair</dt><dd>{formatNumber(value.before!)} <span aria-label="becomes">→</span> <strong>{formatNumber(value.after!)}</strong></dd></div>
+          {value.window ? <div><dt>Window</dt><dd>{formatNumber(value.window[0]!)} to {formatNumber(value.window[1]!)}</dd></div> : null}
+        </dl>
+      ) : null}
+      {!all.length ? <p class="preview-note">{waiting.value ? "Working…" : "It is made as soon as the picture is at rest."}</p> : null}
+    </section>
+  );
+}
+
+/** As a new step between others, or as a dataset of its own that takes the place of the first one in the picture. */
+async function apply(of: Plan): Promise<string> {
+  if (!of.inserts) {
+    const { dataset, note } = await ask<{ dataset: string; note?: string }>({ type: "run", ...request(of) });
+    if (note) store.notify("info", note);
+    return dataset;
+  }
+  const id = freeName(store.idsOf("datasets"), of.operation.name);
+  const edits = insertStep({ world: store.world.value, operations: store.welcome.value!.operations, classes: store.classes.value }, of.dataset, id, recipe(of));
+  if (typeof edits === "string") throw new Error(edits);
+  await edit(...edits);
+  return id;
+}
+
+export function FilterPanel() {
+  const of = plan.value!;
+  const [error, setError] = useState("");
+  const [busy, setBusy] = useState(false);
+  const why = hindrance(of.operation);
+  const ready = isComplete(of) && !busy && !store.readOnly.value;
+  const run = () => {
+    setBusy(true);
+    setError("");
+    apply(of).then((dataset) => {
+      if (plan.value?.operation !== of.operation) return; // people have gone on meanwhile
+      plan.value = null;
+      store.selection.value = `datasets.${dataset}`;
+    }, (problem: Error) => setError(problem.message)).finally(() => setBusy(false));
+  };
+  const copy = () => void tryAsk<{ text: string }>({ type: "command", ...request(of) }).then((value) => { if (value) void copyText(value.text); });
+  return (
+    <aside class="inspector filter-panel" aria-label="Filter" onKeyDown={(event) => { if (event.key === "Escape" && !event.defaultPrevented) plan.value = null; }}>
+      <header class="inspector-head">
+        <div class="inspector-title"><h2>{label(of.operation.name)}</h2><span class="inspector-kind">{label(of.operation.group)}</span></div>
+        <IconButton icon="close" label="Close" onClick={() => { plan.value = null; }} />
+      </header>
+      <div class="inspector-body" key={of.operation.name}>
+        <p class="doc filter-panel-doc">{sentence(of.operation.doc)}</p>
+        <InputRows of={of} />
+        <Properties path="" className={of.operation.class} base={{ get: (name) => of.parameters[name], set: setParameter }} />
+        <PreviewState of={of} />
+      </div>
+      <footer class="filter-foot">
+        {error ? <p class="row-error" role="alert">{sentence(error)}</p> : null}
+        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it.</p> : null}
+        <div class="filter-buttons">
+          <button type="button" class="button" disabled={!isComplete(of)} onClick={copy}>Copy command</button>
+          <span class="grow" />
+          <button type="button" class="button" onClick={() => { plan.value = null; }}>Cancel</button>
+          <button type="button" class="button button-main" disabled={!ready || (why !== "" && !of.inserts)} onClick={run}>{busy ? "Applying…" : "Apply"}</button>
+        </div>
+      </footer>
+    </aside>
+  );
+}
