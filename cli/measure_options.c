@@ -39,7 +39,9 @@ static const vv_property rows[] = {
      .automatic = "0",
      .doc = "channel, by number from 0 or by name; for a vector or colour, which of its numbers: 1, y or green"},
     {VV_PROP(cli_measure_options, point), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "X,Y,Z",
-     .doc = "a point of a distance, an angle, a profile or a path along a surface; to be given once to three times"},
+     .doc =
+         "a place: of a distance (two, or more for the length from each to the next), an angle (three), a profile or a "
+         "path along a surface (two), or alone"},
     {VV_PROP(cli_measure_options, space), .kind = VV_KIND_ENUM, .names = spaces,
      .doc = "coordinates of points: sample indices, or lengths in the world"},
     {VV_PROP(cli_measure_options, samples), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 1e6, .def = 2,

@@ -21,7 +21,7 @@ const vv_class vvi_measured_figure_class = {
 };
 
 static const char *const kinds[] = {"summary",  "area",  "volume", "box",      "statistics", "histogram", "profile",
-                                    "distance", "angle", "labels", "geodesic", "joint",      NULL};
+                                    "distance", "angle", "labels", "geodesic", "joint",      "point",     NULL};
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
 
@@ -50,7 +50,7 @@ static const vv_property measurement[] = {
     {VV_PROP(vv_measurement, seed), .kind = VV_KIND_VEC3, .automatic = "all of the object",
      .doc = "only the connected piece around this place"},
     {VV_PROP(vv_measurement, points), .kind = VV_KIND_NUMBERS, .columns = 3,
-     .doc = "places of a distance, an angle or a profile"},
+     .doc = "places of a point, a distance, an angle, a profile or a path along a surface"},
     {VV_PROP(vv_measurement, space), .kind = VV_KIND_ENUM, .names = spaces,
      .doc = "coordinates of places: sample indices, or lengths in the world"},
     {VV_PROP(vv_measurement, box), VVI_WORD, .automatic = "everything",
@@ -75,6 +75,11 @@ static const vv_property measurement[] = {
      .doc = "unit of lengths in mesh files that do not give one: mm, or 0.5mm for each"},
     {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class,
      .doc = "the results of the last measurement"},
+    {VV_PROP(vv_measurement, volume), .kind = VV_KIND_REF, .ref_to = "volumes",
+     .automatic = "the first visible volume of the scene",
+     .doc = "which volume of the scene, where it is not of a file"},
+    {VV_PROP(vv_measurement, visible), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "pictures whose decorations include measurements show it where it is"},
     {0},
 };
 const vv_class vvi_measurement_class = {

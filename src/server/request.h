@@ -17,10 +17,10 @@ typedef struct vvi_request_task {
     char view[VVI_VIEW_NAME];
     vv_world *world;   /**< as it was when it was asked; or what was made */
     char *path, *name; /**< whatever the request needs of these */
-    bool add;
-    bool own_folder; /**< its path is in one that is its alone */
-    bool replace;    /**< a file that is there may be written over */
-    bool exists;     /**< it was there, and is left as it was */
+    bool add;          /**< beside what is there; of measurements: a plot beside the answer */
+    bool own_folder;   /**< its path is in one that is its alone */
+    bool replace;      /**< a file that is there may be written over */
+    bool exists;       /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
     vv_object *params;
@@ -59,6 +59,9 @@ vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation,
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
 /** Names that people gave inputs become the parameter of them (vv_operand.names). */
 vv_status vvi_request_name_inputs(vvi_request *request);
+
+/** The decorations of a view that shows the data alone: without those that are there by themselves. */
+#define VVI_NO_DECORATIONS "{\"measurements\": false}"
 
 enum { VVI_REQUEST_INPUTS = 16 };
 

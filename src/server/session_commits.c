@@ -33,6 +33,12 @@ static bool is_of_planes(const char *path)
     return strcmp(path, "cross_hair") == 0 || (volume && strncmp(volume, ".slices", 7) == 0);
 }
 
+static bool shows_measurements(const vvi_client *client, const vv_world *world)
+{
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    return !view || ((const vv_decorations *)(const void *)view->decorations)->measurements;
+}
+
 static bool shows_planes(const vvi_client *client, const vv_world *world)
 {
     const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
@@ -40,13 +46,14 @@ static bool shows_planes(const vvi_client *client, const vv_world *world)
            vvi_camera_is_plane(world, client->view, vv_runtime_registry(client->session->options.runtime));
 }
 
-/* Whether a client's picture may change: other people's views and what was measured are not in it, and what planes are
- * made of is not in pictures of others. */
+/* Whether a client's picture may change: other people's views are not in it, what was measured where its view wants it,
+ * and what planes are made of is not in pictures of others. */
 static bool is_seen(const vvi_client *client, const vv_commit *commit, const vv_world *world)
 {
     for (size_t i = 0; i < commit->n_paths; i++) {
         const char *path = commit->paths[i];
-        const bool elsewhere = strncmp(path, "views.", 6) == 0 || strncmp(path, "measurements", 12) == 0 ||
+        const bool elsewhere = strncmp(path, "views.", 6) == 0 ||
+                               (strncmp(path, "measurements", 12) == 0 && !shows_measurements(client, world)) ||
                                (is_of_planes(path) && !shows_planes(client, world));
         if (!elsewhere || is_own_view(client, path))
             return true;
