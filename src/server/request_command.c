@@ -4,7 +4,7 @@
 #include "model/context.h"
 #include "model/merge.h"
 #include "run/made.h"
-#include "server/request.h"
+#include "server/command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 enum { STEPS_MOST = 64, PATH_MOST = 384 };
 
-static void quote(vvi_text *out, const char *s)
+void vvi_command_quote(vvi_text *out, const char *s)
 {
     vvi_text_add(out, "'");
     for (; *s; s++)
@@ -37,7 +37,7 @@ static void put_value(vvi_text *out, const char *json)
             *to++ = *from;
     if (typed)
         *to = 0;
-    quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
+    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
     free(typed);
 }
 
@@ -79,7 +79,7 @@ static void put_reading(vvi_text *out, const vv_dataset *dataset)
     for (int i = 0; i < 3; i++)
         if (value[i]) {
             vvi_text_printf(out, " --%s=", option[i]);
-            quote(out, value[i]);
+            vvi_command_quote(out, value[i]);
         }
 }
 
@@ -88,7 +88,7 @@ static void put_made(vvi_text *out, const char *id, const char *suffix)
 {
     char name[96];
     snprintf(name, sizeof name, "%.63s%.12s", id, suffix);
-    quote(out, name);
+    vvi_command_quote(out, name);
 }
 
 static const char *suffix_of(const vv_dataset *dataset, vv_job *job)
@@ -128,14 +128,14 @@ static const vv_operation *made_by(const vv_world *world, const vv_dataset *data
 }
 
 /* The file of a dataset as a word of the line that comes now. */
-static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
+void vvi_command_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
     const vv_dataset *dataset = find_dataset(world, id);
     if (made_by(world, dataset, vvi_job_registry(job))) {
         put_made(out, id, suffix_of(dataset, job));
         return;
     }
-    quote(out, dataset->path ? dataset->path : id);
+    vvi_command_quote(out, dataset->path ? dataset->path : id);
     put_reading(out, dataset);
 }
 
@@ -154,10 +154,10 @@ static void put_other(vvi_text *out, const vv_world *world, const char *name, co
         put_made(out, id, suffix_of(dataset, job));
         return;
     }
-    quote(out, dataset->path ? dataset->path : id);
+    vvi_command_quote(out, dataset->path ? dataset->path : id);
     if (dataset->part) {
         vvi_text_add(out, ":");
-        quote(out, dataset->part);
+        vvi_command_quote(out, dataset->part);
     }
 }
 
@@ -216,7 +216,7 @@ static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, c
     if (st == VV_OK) {
         vvi_text_printf(out, "volvis %s ", s->operation->name);
         if (!s->operation->inputs[0].names || !s->inputs)
-            put_input(out, world, s->source, job);
+            vvi_command_input(out, world, s->source, job);
         st = for_others(s->inputs, visit_other, &(making){out, world, 0, job, s->operation});
     }
     if (st == VV_OK && (st = put_options(out, params)) == VV_OK) {
@@ -267,7 +267,7 @@ static vv_status put_making_of(making *m, const char *id)
     return VV_OK;
 }
 
-static vv_status put_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
+vv_status vvi_command_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
     return put_making_of(&(making){out, world, 0, job, NULL}, id);
 }
@@ -309,7 +309,7 @@ static void put_set(comparing *c, const char *path, const char *json)
     vvi_text assignment = {0};
     vvi_text_printf(&assignment, "%s=%s", path, json);
     vvi_text_add(c->out, " --set ");
-    quote(c->out, assignment.bad || !assignment.s ? "" : assignment.s);
+    vvi_command_quote(c->out, assignment.bad || !assignment.s ? "" : assignment.s);
     vvi_text_free(&assignment);
 }
 
@@ -419,7 +419,7 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
     comparing c = {.now = r->world, .before = before, .out = text, .view = r->view};
     c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : before->datasets->entry[0].id;
     vvi_text_add(text, "volvis render ");
-    put_input(text, r->world, id, job);
+    vvi_command_input(text, r->world, id, job);
     vvi_text_add(text, " -o picture.png");
     vv_path_each(&r->world->base, compare, &c);
     vv_object_release(&before->base);
@@ -434,7 +434,7 @@ static vv_status run_command(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = find_dataset(r->world, id);
     vvi_text text = {0};
     bool beyond = !has_data(dataset);
-    vv_status st = beyond ? VV_OK : put_making(&text, r->world, id, job);
+    vv_status st = beyond ? VV_OK : vvi_command_making(&text, r->world, id, job);
     if (!beyond && st == VV_OK)
         st = put_picture(&text, &beyond, r, id, job);
     if (beyond) {
@@ -478,6 +478,8 @@ static vv_status take_operation(vvi_request *r, const json_t *message)
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)
 {
     const bool one = json_object_get(message, "operation") != NULL;
+    if (json_object_get(message, "measurement"))
+        return vvi_request_command_measure(client, id, message);
     vvi_request *r;
     vv_status st = vvi_client_fix_view(client);
     if (st == VV_OK)
