@@ -2,6 +2,7 @@
 import { addObject } from "../actions";
 import { addCutPlane } from "../cut_planes";
 import { Icon, type IconName } from "../icons";
+import { isOpen as measuring, toggleRoom } from "../measure/room";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { label } from "../values";
@@ -32,6 +33,10 @@ function Components() {
           <span>{name}</span>
         </button>
       ))}
+      <button type="button" class="component" title="points, distances, angles, profiles, regions and a table of all" disabled={store.isEmpty.value} aria-pressed={measuring.value} onClick={toggleRoom}>
+        <Icon name="measure" />
+        <span>Measurement</span>
+      </button>
       {groups.map((group) => <OperationMenu key={group} group={group} />)}
     </nav>
   );
