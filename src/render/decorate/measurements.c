@@ -16,7 +16,7 @@
 #define CROSS 0.6
 #define AWAY 0.9              /* from a place to its letters */
 #define IN_SLICE (0.5 + 1e-6) /* of a step of samples: what belongs to one slice alone */
-enum { CORNERS = 8, EDGES = 12 };
+enum { CORNERS = 8, EDGES = 12, RINGS = 3 };
 
 static const vv_measurement *nth(const vv_scene *scene, size_t i)
 {
@@ -223,14 +223,15 @@ static void print(char out[64], const vv_measurement *m)
     vvi_text_clean(out);
 }
 
-/* Above the place, below, to its right, to its left. */
+/* Above the place, below, to its right, to its left; farther away where others stand there. */
 static void place_label(vvi_sheet_axis_label *out, vvi_sheet *s, double x, double y)
 {
     const double wide = vvi_sheet_length(s, out->text, s->em) / 2, high = 0.5 * s->em, away = AWAY * s->em;
     const double way[4][2] = {{0, -1}, {0, 1}, {1, 0}, {-1, 0}};
-    for (int i = 0; i < 4 && !out->there; i++) {
-        out->x = x + way[i][0] * (away + wide);
-        out->y = y + way[i][1] * (away + high);
+    for (int i = 0; i < 4 * RINGS && !out->there; i++) {
+        const double farther = away + i / 4 * 1.6 * s->em;
+        out->x = x + way[i % 4][0] * (farther + wide);
+        out->y = y + way[i % 4][1] * (farther + high);
         out->box = (vvi_box){out->x - wide, out->y - high, out->x + wide, out->y + high};
         out->there = vvi_layout_take(&s->layout, out->box);
     }
