@@ -63,6 +63,21 @@ static vv_status fail_word(const char *word, size_t n)
                          "--decorate: there is no '%s'", typed);
 }
 
+/* Measurements show where a scene has some: only "none" takes them away. */
+static bool is_on_by_itself(const char *name)
+{
+    const vv_property *row = vv_class_find(&vv_view_class, "decorations");
+    return vv_class_find(row->cls, name)->def != 0;
+}
+
+static bool has_measurements(const cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const bool some = world->measurements->n > 0;
+    vv_object_release(&world->base);
+    return some;
+}
+
 /* Those that are named, and no others: "none" takes away what a scene asks for. */
 static vv_status parse(uint32_t *out, const char *typed)
 {
@@ -102,11 +117,16 @@ static vv_status set_text(cli_edits *edits, const char *option, const char *text
 vv_status cli_edit_decorations(cli_edits *edits)
 {
     const char *typed = edits->look->decorate, *name;
+    const bool take_away = typed && strcasecmp(typed, "none") == 0 && has_measurements(edits);
     uint32_t wanted = 0;
     vv_status st = typed ? parse(&wanted, typed) : VV_OK;
-    for (size_t i = 0; typed && st == VV_OK && (name = cli_decoration_name(i)) != NULL; i++)
-        st = wanted >> i & 1 ? cli_edit_set(edits, "decorate", "true", "views.%s.decorations.%s", edits->view, name)
-                             : cli_edit_unset(edits, "views.%s.decorations.%s", edits->view, name);
+    for (size_t i = 0; typed && st == VV_OK && (name = cli_decoration_name(i)) != NULL; i++) {
+        const bool by_itself = is_on_by_itself(name);
+        st = (by_itself ? take_away : wanted >> i & 1)
+                 ? cli_edit_set(edits, "decorate", by_itself ? "false" : "true", "views.%s.decorations.%s", edits->view,
+                                name)
+                 : cli_edit_unset(edits, "views.%s.decorations.%s", edits->view, name);
+    }
     if (typed && strcasecmp(typed, "none") == 0 && st == VV_OK &&
         (st = cli_edit_unset(edits, "views.%s.decorations.title", edits->view)) == VV_OK)
         st = cli_edit_unset(edits, "views.%s.decorations.caption", edits->view);

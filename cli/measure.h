@@ -5,7 +5,7 @@
 #define CLI_MEASURE_H
 #include "edits.h"
 #include "input.h"
-#include "measuring/changes.h"
+#include "measuring/figure_changes.h"
 #include "measuring/measuring.h"
 #include "measuring/world_data.h"
 #include "run/stream.h"
@@ -79,7 +79,7 @@ vv_status cli_measure_world(vv_model *model, vvi_recipe *recipe_out, cli_command
                             bool edited);
 /** The World of a scene, or of a picture with one, whose first visible volume is a mesh; NULL: `file` is none. With
  * every --set where it is `edited`. Yours to release. */
-vv_world *cli_measure_mesh_world(cli_command *command, const char *edited, const char *file);
+vv_world *cli_measure_mesh_world(cli_command *command, const cli_question *question);
 
 /* Before anything is measured ------------------------------------------------------------------------------------- */
 

@@ -37,7 +37,7 @@ static unsigned is_what(cli_command *command, const cli_question *q, int i)
         return 0;
     if (cli_mesh_is_input(command, q->file[i]))
         return VV_MEASURED_MESH;
-    vv_world *world = i == 0 && q->kind ? cli_measure_mesh_world(command, q->edited, q->file[0]) : NULL;
+    vv_world *world = i == 0 && q->kind ? cli_measure_mesh_world(command, q) : NULL;
     vv_object_release(world ? &world->base : NULL);
     return world ? VV_MEASURED_SHOWN : VV_MEASURED_VOLUME;
 }

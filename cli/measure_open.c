@@ -4,6 +4,7 @@
 #include "mesh.h"
 #include "model/classes.h"
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,14 +19,33 @@ vv_status cli_measure_world(vv_model *model, vvi_recipe *recipe, cli_command *co
     return st;
 }
 
+/* A stored measurement may name its volume: for this time the others of the scene are not seen. */
+static vv_status show_only(vv_model *model, const cli_question *q)
+{
+    const char *only = q && q->asked && !q->asked->file ? q->asked->volume : NULL;
+    vv_world *world = vv_model_snapshot(model);
+    const vv_collection *all = world->volumes;
+    vv_status st = only && !vv_collection_find(all, only)
+                       ? vv_fail(VV_E_NOT_FOUND, "volume: the scene has no volume '%.64s'", only)
+                       : VV_OK;
+    for (size_t i = 0; only && i < all->n && st == VV_OK; i++) {
+        char path[128];
+        snprintf(path, sizeof path, "volumes.%.96s.visible", all->entry[i].id);
+        st = vv_model_set(model, NULL, path, strcmp(all->entry[i].id, only) == 0 ? "true" : "false");
+    }
+    vv_object_release(&world->base);
+    return st;
+}
+
 static bool is_edited(const cli_command *command, const char *edited, const char *word)
 {
     const vv_collection *set = command->common->set;
     return set && set->n && edited && strcmp(word, edited) == 0;
 }
 
-vv_world *cli_measure_mesh_world(cli_command *command, const char *edited, const char *file)
+vv_world *cli_measure_mesh_world(cli_command *command, const cli_question *q)
 {
+    const char *edited = q->edited, *file = q->file[0];
     vv_model *model = NULL;
     vv_world *world = NULL;
     vvi_recipe recipe = {0};
@@ -33,7 +53,8 @@ vv_world *cli_measure_mesh_world(cli_command *command, const char *edited, const
         cli_input_contents(command, file) == CLI_INPUT_DATA)
         return NULL;
     if (vv_model_new(&model, command->runtime) == VV_OK &&
-        cli_measure_world(model, &recipe, command, file, is_edited(command, edited, file)) == VV_OK)
+        cli_measure_world(model, &recipe, command, file, is_edited(command, edited, file)) == VV_OK &&
+        show_only(model, q) == VV_OK)
         world = vv_model_snapshot(model);
     vv_model_release(model);
     if (world && vvi_world_shows_meshes(world, command->job))
@@ -84,10 +105,10 @@ static vv_status note_changed(cli_command *command, const cli_measured *in, cons
 
 /* The samples are of the data that the World has then. */
 static vv_status open_scene(vv_field **out, cli_measured *in, vv_model *model, vvi_recipe *recipe, cli_command *command,
-                            const char *word, bool edited)
+                            const char *word, const cli_question *q)
 {
-    vv_status st = cli_measure_world(model, recipe, command, word, edited);
-    if (st != VV_OK)
+    vv_status st = cli_measure_world(model, recipe, command, word, is_edited(command, q->edited, word));
+    if (st != VV_OK || (st = show_only(model, q)) != VV_OK)
         return st;
     vv_world *world = vv_model_snapshot(model);
     if ((st = cli_input_open_in(&in->input, command, world, word)) == VV_OK &&
@@ -132,17 +153,17 @@ static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *
 }
 
 /* planes: takes --clip; NULL: there is none. */
-static vv_status open_volume(cli_measured *out, cli_command *command, const char *edited, const char *word,
+static vv_status open_volume(cli_measured *out, cli_command *command, const cli_question *q, const char *word,
                              char **planes)
 {
-    const bool edit = is_edited(command, edited, word);
+    const bool edit = is_edited(command, q->edited, word);
     vv_model *model = NULL;
     vv_field *field = NULL;
     vvi_recipe recipe = {0};
     vv_status st = vv_model_new(&model, command->runtime);
     if (st == VV_OK)
         st = edit || cli_input_contents(command, word) != CLI_INPUT_DATA
-                 ? open_scene(&field, out, model, &recipe, command, word, edit)
+                 ? open_scene(&field, out, model, &recipe, command, word, q)
                  : open_data(&field, out, model, command, word);
     if (st == VV_OK)
         st = take_volume(out, command, model, &recipe, field, word, planes);
@@ -170,13 +191,13 @@ static vv_status open_one(const vv_measured_data **data, cli_measured_inputs *al
     *data = mesh ? &all->mesh[i] : &out->volume.data;
     if (mesh)
         return open_mesh(&all->mesh[i], out, command, q, word);
-    return open_volume(out, command, q->edited, word, q->typed && !all->planes ? &all->planes : NULL);
+    return open_volume(out, command, q, word, q->typed && !all->planes ? &all->planes : NULL);
 }
 
 vv_status cli_measured_open(cli_measured_inputs *out, cli_command *command, const cli_question *q)
 {
     out->all = (vv_measured_inputs){.size = sizeof out->all, .n_inputs = 1};
-    if ((out->world = cli_measure_mesh_world(command, q->edited, q->file[0]))) {
+    if ((out->world = cli_measure_mesh_world(command, q))) {
         const vv_status st = vvi_measured_meshes_take(&out->shown, out->world, NULL, q->file[0], command->job);
         out->all.input = out->shown.data;
         out->all.n_inputs = out->shown.n;

@@ -2,7 +2,6 @@
 #include "measure.h"
 #include "output.h"
 #include "report.h"
-#include <stdio.h>
 
 bool cli_plot_wanted(const cli_command *command)
 {
@@ -42,16 +41,6 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
     return st;
 }
 
-/* They have names of files, which may be any bytes, and may be cut inside of a letter. */
-static const char *clean(char *out, size_t room, const char *text)
-{
-    if (!text)
-        return NULL;
-    snprintf(out, room, "%s", text);
-    vvi_text_clean(out);
-    return out;
-}
-
 vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const char *file, bool logarithmic)
 {
     const char *output = command->common->output;
@@ -62,8 +51,8 @@ vv_status cli_plot_write(cli_command *command, const vv_answer *answer, const ch
         return vv_fail(VV_E_ARGUMENT, "-o %s: no sample of %s %s: there is nothing to plot", output, file,
                        answer->no_plot ? answer->no_plot : "is known");
     vvi_plot shown = *answer->plot;
-    shown.title = clean(title, sizeof title, shown.title);
-    shown.subtitle = clean(subtitle, sizeof subtitle, shown.subtitle);
+    shown.title = vvi_plot_words(title, sizeof title, shown.title);
+    shown.subtitle = vvi_plot_words(subtitle, sizeof subtitle, shown.subtitle);
     shown.log_y = logarithmic && shown.steps;
     const vv_status st = cli_output_is_figure(output) ? write_svg(command, &shown) : write_image(command, &shown);
     if (st != VV_OK)

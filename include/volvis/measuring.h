@@ -157,10 +157,13 @@ typedef struct vv_measure_kind {
     const char *name, *doc;
     const char *covers;           /**< what it measures, where that is more than its name says; else NULL */
     const char *also;             /**< other words for it, with spaces between; NULL: none */
+    const char *main;             /**< the figure that stands for it in tables and pictures; NULL: the first */
     bool table;                   /**< its result is a table, and not figures */
     bool plot;                    /**< it has a plot */
     bool marks;                   /**< a value or a range is a mark in its plot, and no object */
     bool logarithmic;             /**< and may have a logarithmic scale */
+    size_t least_points;          /**< that are given for it, in most of its forms; 0: it is not of points */
+    size_t most_points;           /**< SIZE_MAX: any number */
     const vv_measure_form *forms; /**< the first that fits holds; ends with one without run */
 } vv_measure_kind;
 

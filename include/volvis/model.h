@@ -265,6 +265,7 @@ typedef struct vv_decorations {
     double size; /**< factor */
     char *font;  /**< file */
     bool sides, cross_hair;
+    bool measurements; /**< where they have places */
 } vv_decorations;
 
 typedef struct vv_view {
@@ -286,7 +287,8 @@ typedef enum vv_measurement_kind {
     VV_MEASUREMENT_ANGLE,
     VV_MEASUREMENT_LABELS,
     VV_MEASUREMENT_GEODESIC,
-    VV_MEASUREMENT_JOINT
+    VV_MEASUREMENT_JOINT,
+    VV_MEASUREMENT_POINT
 } vv_measurement_kind;
 
 typedef enum vv_measurement_method {
@@ -327,6 +329,8 @@ typedef struct vv_measurement {
     char *values;
     vv_collection *figures; /**< vv_measured_figure: what came out last */
     char *input_unit;       /**< of mesh files that do not say it: "mm", "0.5mm" */
+    char *volume;           /**< id of the scene's volume that it is of; unset: the first visible one */
+    bool visible;           /**< pictures with measurements show it */
 } vv_measurement;
 
 typedef struct vv_world {

@@ -1,7 +1,7 @@
 /* Join: volumes of one grid, and series of them, as the time steps of one series. */
-#include "grid/same_grid.h"
 #include "grid/field.h"
 #include "grid/field_copy.h"
+#include "grid/same_grid.h"
 #include "io/header_keys.h"
 #include "registry.h"
 

@@ -62,6 +62,7 @@ const vvi_default_binding vvi_default_rows[] = {
     {"help", "keyboard", "H", "action", "help"},
     {"help-mark", "keyboard", "?", "action", "help"},
     {"layout", "keyboard", "V", "action", "layout"},
+    {"measure", "keyboard", "M", "action", "measure"},
     {"drawing", "keyboard", "D", "action", "drawing"},
     {"left-panel", "keyboard", "Control+Digit5", "action", "left-panel"},
     {"right-panel", "keyboard", "Control+Digit6", "action", "right-panel"},
@@ -77,7 +78,7 @@ const char *const vvi_action_names[] = {
     "fit", "front", "back", "right", "left", "top", "bottom", "isometric", "projection", "view-back", "view-forward",
     "undo", "redo",
     "new", "open", "add", "save", "picture", "picture-plain", "command", "add-light", "add-cut-plane", "cut", "cut-next",
-    "axes", "box", "scale-bar", "center", "window", "window-opacity", "search", "help", "theme", "split", "slices", "layout",
+    "axes", "box", "scale-bar", "center", "window", "window-opacity", "search", "help", "theme", "split", "slices", "layout", "measure",
     "drawing", "drawing-at-rest", "left-panel", "right-panel", "panels", "letters", NULL,
 };
 /* clang-format on */

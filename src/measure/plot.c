@@ -414,6 +414,15 @@ static vv_status draw_density(frame *f)
     return st;
 }
 
+const char *vvi_plot_words(char *out, size_t room, const char *words)
+{
+    if (!words)
+        return NULL;
+    snprintf(out, room, "%s", words);
+    vvi_text_clean(out); /* it may be cut inside of a letter, too */
+    return out;
+}
+
 vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job)
 {
     frame f = frame_of(plot);

@@ -35,6 +35,9 @@ typedef struct vvi_plot {
 
 enum { VVI_PLOT_WIDTH = 960, VVI_PLOT_HEIGHT = 600 };
 
+/** Words that may be any bytes, as names of files are, without what no letters are; NULL stays NULL. */
+const char *vvi_plot_words(char *out, size_t room, const char *words);
+
 /** Into a picture of that size that has begun; on white, or of a density on what vvi_plot_paint() made. Errors: those
  * of the calls that draw. */
 vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job);

@@ -66,6 +66,8 @@ void vvi_measuring_note_empty(vvi_measuring *m);
 const char *vvi_measuring_in(const vvi_measuring *m, const char **region_out);
 /** How well a place is known along one direction: it is picked from samples, to half a step along each axis. */
 double vvi_place_error(const vvi_measuring *m);
+/** A box as it is typed, "10..59,..,5..19"; VV_E_ARGUMENT. */
+vv_status vvi_measuring_box(vv_box *out, const char *typed, const vv_grid *grid);
 /** The places of the question as index coordinates; VV_E_ARGUMENT says how many `what` needs. */
 vv_status vvi_measuring_points(vv_vec3 *out, size_t n, const vvi_measuring *m, const char *what);
 /** Which samples a plot is of, for the line under its title; "" of all. object: those of the object alone. */
@@ -91,6 +93,7 @@ vv_status vvi_measure_joint_histogram(vvi_measuring *m);
 vv_status vvi_measure_profile(vvi_measuring *m);
 vv_status vvi_measure_distance(vvi_measuring *m);
 vv_status vvi_measure_angle(vvi_measuring *m);
+vv_status vvi_measure_point(vvi_measuring *m);
 vv_status vvi_measure_label_table(vvi_measuring *m);
 /* With VVI_SURFACE: these open volumes, whose surfaces they are of, themselves. */
 vv_status vvi_measure_point_to_surface(vvi_measuring *m);

@@ -1,4 +1,4 @@
-/* Distances and angles between places, and values along a line. */
+/* Distances and angles between places, the value at one, and values along a line. */
 #include "core/vec.h"
 #include "grid/probe.h"
 #include "measuring/measuring.h"
@@ -27,15 +27,41 @@ static vv_status find_places(vv_vec3 *p, size_t n, vvi_measuring *m, const char 
     return st;
 }
 
+/* How far the sum of the lengths may be off: at each place by what moving it changes in those on both of its sides. */
+static double length_error(const vv_vec3 *p, size_t n, double place_error)
+{
+    double squares = 0;
+    for (size_t i = 0; i < n; i++) {
+        vv_vec3 pull = {0, 0, 0};
+        for (int side = 0; side < 2; side++) {
+            if (side ? i + 1 == n : i == 0)
+                continue;
+            vv_vec3 way = vvi_sub(p[i], p[side ? i + 1 : i - 1]);
+            if (vvi_length(way) > 0)
+                pull = vvi_add(pull, vvi_scaled(way, 1 / vvi_length(way)));
+            else
+                pull = vvi_add(pull, vvi_vec(side ? -1 : 1, 0, 0));
+        }
+        squares += vvi_dot(pull, pull);
+    }
+    return sqrt(squares) * place_error;
+}
+
+/* Between two places, or from each of several to the next. */
 vv_status vvi_measure_distance(vvi_measuring *m)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
-    vv_vec3 p[2];
-    const vv_status st = find_places(p, 2, m, "distance");
+    const size_t given = m->asked->points ? m->asked->points->n / 3 : 0, n = given > 2 ? given : 2;
+    vv_vec3 *p = vvi_answer_room(m->answer, n, sizeof *p);
+    if (!p)
+        return vv_fail_memory(n * sizeof *p);
+    const vv_status st = find_places(p, n, m, "distance");
     if (st != VV_OK)
         return st;
-    vvi_figure f = {.key = "distance", .label = "distance", .error = sqrt(2) * vvi_place_error(m)};
-    f.value = vvi_length(vvi_sub(p[1], p[0]));
+    vvi_figure f = {.key = "distance", .label = n > 2 ? "length" : "distance"};
+    f.error = length_error(p, n, vvi_place_error(m));
+    for (size_t i = 0; i + 1 < n; i++)
+        f.value += vvi_length(vvi_sub(p[i + 1], p[i]));
     vvi_power_unit(f.unit, grid->unit, 1);
     vvi_tell_text(m->answer, "unit", grid->unit);
     vvi_tell_figure(m->answer, &f);
@@ -63,6 +89,42 @@ vv_status vvi_measure_angle(vvi_measuring *m)
     return VV_OK;
 }
 
+static bool in_grid(const vv_grid *grid, vv_vec3 p)
+{
+    const double at[3] = {p.x, p.y, p.z};
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= -0.5 && at[a] <= (double)grid->dims[a] - 0.5))
+            return false;
+    return true;
+}
+
+/* What a place has: of labels the one of the nearest sample, else interpolated as in profiles. */
+vv_status vvi_measure_point(vvi_measuring *m)
+{
+    const vv_field_info *info = vv_field_get_info(m->field);
+    const bool labels = info->meaning == VV_MEANING_LABEL;
+    vv_vec3 p, world;
+    vvi_probe probe;
+    vv_status st = find_places(&world, 1, m, "point");
+    if (st != VV_OK || (st = vvi_measuring_points(&p, 1, m, "point")) != VV_OK)
+        return st;
+    const double index[3] = {p.x, p.y, p.z};
+    const bool inside = in_grid(&info->grid, p);
+    vvi_tell_numbers(m->answer, "index", index, 3);
+    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
+        return st;
+    vvi_figure f = {.key = "value",
+                    .label = "value",
+                    .value = inside ? vvi_probe_value(&probe, index) : NAN,
+                    .error = inside ? vvi_probe_error(&probe, index) : NAN};
+    snprintf(f.unit, sizeof f.unit, "%s", info->value_unit);
+    vvi_tell_figure(m->answer, &f);
+    if (!inside)
+        vvi_tell_note(m->answer, "the place lies outside the volume, and has no value");
+    vvi_probe_close(&probe);
+    return VV_OK;
+}
+
 /* Profile -----------------------------------------------------------------------------------------------------------
  */
 
@@ -76,15 +138,6 @@ static const vv_answer_column columns[] = {{"distance", NULL, VV_CELL_NUMBER}, {
                                            {"y", NULL, VV_CELL_NUMBER},        {"z", NULL, VV_CELL_NUMBER},
                                            {"value", NULL, VV_CELL_NUMBER},    {"error", NULL, VV_CELL_NUMBER}};
 enum { COLUMNS = sizeof columns / sizeof *columns };
-
-static bool in_grid(const vv_grid *grid, vv_vec3 p)
-{
-    const double at[3] = {p.x, p.y, p.z};
-    for (int a = 0; a < 3; a++)
-        if (!(at[a] >= -0.5 && at[a] <= (double)grid->dims[a] - 0.5))
-            return false;
-    return true;
-}
 
 static void put_row(vvi_text *out, double distance, double value, double error)
 {

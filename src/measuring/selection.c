@@ -13,7 +13,7 @@
 
 /* Region ---------------------------------------------------------------------------------------------------------- */
 
-static vv_status parse_box(vv_box *out, const char *typed, const vv_grid *grid)
+vv_status vvi_measuring_box(vv_box *out, const char *typed, const vv_grid *grid)
 {
     for (int a = 0; a < 3; a++) {
         char part[160];
@@ -70,7 +70,7 @@ static void take_planes(vvi_measuring *m)
 static vv_status choose_region(vvi_measuring *m)
 {
     const char *box = m->asked->box;
-    const vv_status st = box ? parse_box(&m->choice.box, box, &vv_field_get_info(m->field)->grid) : VV_OK;
+    const vv_status st = box ? vvi_measuring_box(&m->choice.box, box, &vv_field_get_info(m->field)->grid) : VV_OK;
     take_planes(m);
     m->choice.planes = m->planes;
     m->choice.n_planes = m->n_planes;

@@ -23,6 +23,8 @@ static const vv_property decorations[] = {
             "directions that lie almost in the image plane"},
     {VV_PROP(vv_decorations, cross_hair), .kind = VV_KIND_BOOL,
      .doc = "thin lines through the World's cross-hair, where the slices meet"},
+    {VV_PROP(vv_decorations, measurements), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "the World's measurements where they are: points, lines, boxes and what came out; in a slice those in it"},
     {VV_PROP(vv_decorations, title), VVI_LINE, .automatic = "none",
      .doc = "a line at the upper left; placeholders as in caption"},
     {VV_PROP(vv_decorations, caption), VVI_TEXT(4096), .automatic = "none",

@@ -21,7 +21,7 @@ const vv_class vvi_measured_figure_class = {
 };
 
 static const char *const kinds[] = {"summary",  "area",  "volume", "box",      "statistics", "histogram", "profile",
-                                    "distance", "angle", "labels", "geodesic", "joint",      NULL};
+                                    "distance", "angle", "labels", "geodesic", "joint",      "point",     NULL};
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
 
@@ -53,7 +53,9 @@ static const vv_property measurement[] = {
     {VV_PROP(vv_measurement, seed), .kind = VV_KIND_VEC3, .automatic = "all of the object",
      .doc = "only the piece around this place: its voxels share faces"},
     {VV_PROP(vv_measurement, points), .kind = VV_KIND_NUMBERS, .columns = 3, .option = "point",
-     .doc = "of a distance, an angle, a profile or a path along a surface: one to three places"},
+     .doc =
+         "a place: of a distance (two, or more for the length from each to the next), an angle (three), a profile or a "
+         "path along a surface (two), or alone"},
     {VV_PROP(vv_measurement, space), .kind = VV_KIND_ENUM, .names = spaces,
      .doc = "coordinates of places: sample indices, or lengths in the world"},
     {VV_PROP(vv_measurement, box), VVI_WORD, .unit = "X0..X1,Y0..Y1,Z0..Z1", .automatic = "everything",
@@ -82,6 +84,11 @@ static const vv_property measurement[] = {
      .doc = "unit of lengths in a mesh file that gives none, or counts voxels: mm, or 0.5mm for each"},
     {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class, .option = "",
      .doc = "the results of the last measurement"},
+    {VV_PROP(vv_measurement, volume), .kind = VV_KIND_REF, .ref_to = "volumes", .option = "",
+     .automatic = "the first visible volume of the scene",
+     .doc = "which volume of the scene, where it is not of a file"},
+    {VV_PROP(vv_measurement, visible), .kind = VV_KIND_BOOL, .option = "", .def = 1,
+     .doc = "pictures whose decorations include measurements show it where it is"},
     {0},
 };
 const vv_class vvi_measurement_class = {

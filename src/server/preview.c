@@ -57,8 +57,8 @@ static vv_status find_actor(work *w)
     const vv_object *volume = vv_collection_find(w->world->volumes, w->wish->volume);
     bool mesh = false;
     w->frame = volume ? ((const vv_volume *)(const void *)volume)->frame : 0;
-    for (size_t i = 0; i < w->scene->n_shapes; i++)
-        mesh |= strcmp(w->scene->shapes[i].look.id, w->wish->volume) == 0;
+    for (size_t i = 0; i < w->scene->n_mesh_actors; i++)
+        mesh |= strcmp(w->scene->mesh_actors[i].look.id, w->wish->volume) == 0;
     for (size_t i = 0; i < w->scene->n_actors; i++)
         if (strcmp(w->scene->actors[i].id, w->wish->volume) == 0)
             w->actor = &w->scene->actors[i];

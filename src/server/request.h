@@ -17,12 +17,12 @@ typedef struct vvi_request_task {
     char view[VVI_VIEW_NAME];
     vv_world *world;   /**< as it was when it was asked; or what was made */
     char *path, *name; /**< whatever the request needs of these */
-    bool add;
-    bool own_folder; /**< its path is in one that is its alone */
-    bool changes;    /**< the World, when it has ended */
-    bool replace;    /**< a file that is there may be written over */
-    bool whole;      /**< of a preview: all of the data, however large */
-    bool exists;     /**< it was there, and is left as it was */
+    bool add;          /**< beside what is there; of measurements: a plot beside the answer */
+    bool own_folder;   /**< its path is in one that is its alone */
+    bool changes;      /**< the World, when it has ended */
+    bool replace;      /**< a file that is there may be written over */
+    bool whole;        /**< of a preview: all of the data, however large */
+    bool exists;       /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
     vv_object *params; /**< of a measurement */
@@ -54,6 +54,9 @@ void vvi_request_tell_text(vvi_request *request, vvi_text *text);
 vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
 /** And of its parameters: VV_E_ARGUMENT (no object), VV_E_LIMIT. */
 vv_status vvi_request_take_parameters(vvi_request *request, const json_t *message);
+
+/** The decorations of a view that shows the data alone: without those that are there by themselves. */
+#define VVI_NO_DECORATIONS "{\"measurements\": false}"
 
 enum { VVI_REQUEST_ID = 64 };
 

@@ -5,7 +5,7 @@
 #include "model/context.h"
 #include "model/merge.h"
 #include "run/made.h"
-#include "server/request.h"
+#include "server/command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 
 enum { STEPS_MOST = 64, PATH_MOST = 384 };
 
-static void quote(vvi_text *out, const char *s)
+void vvi_command_quote(vvi_text *out, const char *s)
 {
     vvi_text_add(out, "'");
     for (; *s; s++)
@@ -38,7 +38,7 @@ static void put_value(vvi_text *out, const char *json)
             *to++ = *from;
     if (typed)
         *to = 0;
-    quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
+    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
     free(typed);
 }
 
@@ -80,7 +80,7 @@ static void put_reading(vvi_text *out, const vv_dataset *dataset)
     for (int i = 0; i < 3; i++)
         if (value[i]) {
             vvi_text_printf(out, " --%s=", option[i]);
-            quote(out, value[i]);
+            vvi_command_quote(out, value[i]);
         }
 }
 
@@ -89,7 +89,7 @@ static void put_made(vvi_text *out, const char *id, const char *suffix)
 {
     char name[96];
     snprintf(name, sizeof name, "%.63s%.12s", id, suffix);
-    quote(out, name);
+    vvi_command_quote(out, name);
 }
 
 /* The id, as the World has it, of the first input: as `source` says it, or among the inputs by name. NULL: none. */
@@ -165,7 +165,7 @@ static const char *suffix_of(const vv_world *world, const vv_dataset *dataset, v
 }
 
 /* The file of a dataset as a word of the line that comes now. */
-static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
+void vvi_command_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
     id = behind(world, id, vvi_job_registry(job));
     const vv_dataset *dataset = find_dataset(world, id);
@@ -173,7 +173,7 @@ static void put_input(vvi_text *out, const vv_world *world, const char *id, vv_j
         put_made(out, id, suffix_of(world, dataset, job));
         return;
     }
-    quote(out, dataset->path ? dataset->path : id);
+    vvi_command_quote(out, dataset->path ? dataset->path : id);
     put_reading(out, dataset);
 }
 
@@ -187,10 +187,10 @@ static void put_other(vvi_text *out, const vv_world *world, const char *name, co
         put_made(out, id, suffix_of(world, dataset, job));
         return;
     }
-    quote(out, dataset->path ? dataset->path : id);
+    vvi_command_quote(out, dataset->path ? dataset->path : id);
     if (dataset->part) {
         vvi_text_add(out, ":");
-        quote(out, dataset->part);
+        vvi_command_quote(out, dataset->part);
     }
 }
 
@@ -247,7 +247,7 @@ static vv_status put_step(const making *m, const vv_operation *operation, const 
     if (st == VV_OK) {
         vvi_text_printf(m->out, "volvis %s ", operation->name);
         if (!operation->inputs[0].names || !dataset->inputs)
-            put_input(m->out, m->world, source_of(m->world, dataset, operation), m->job);
+            vvi_command_input(m->out, m->world, source_of(m->world, dataset, operation), m->job);
         st = for_others(dataset->inputs, visit_other, &(making){m->out, m->world, 0, m->job, operation});
     }
     if (st == VV_OK && (st = put_options(m->out, params)) == VV_OK) {
@@ -297,7 +297,7 @@ static vv_status put_making_of(making *m, const char *id)
     return VV_OK;
 }
 
-static vv_status put_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
+vv_status vvi_command_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
 {
     return put_making_of(&(making){out, world, 0, job, NULL}, id);
 }
@@ -314,7 +314,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     vvi_request_free_id(id, r->world, "result");
     vv_status st = vvi_request_make_world(&world, r, id);
     if (st == VV_OK)
-        st = put_making(&text, world, id, job);
+        st = vvi_command_making(&text, world, id, job);
     if (st == VV_OK && text.n > 0) {
         text.s[--text.n] = 0; /* the last line ends here */
         vvi_request_tell_text(r, &text);
@@ -341,7 +341,7 @@ static void put_set(comparing *c, const char *path, const char *json)
     vvi_text assignment = {0};
     vvi_text_printf(&assignment, "%s=%s", path, json);
     vvi_text_add(c->out, " --set ");
-    quote(c->out, assignment.bad || !assignment.s ? "" : assignment.s);
+    vvi_command_quote(c->out, assignment.bad || !assignment.s ? "" : assignment.s);
     vvi_text_free(&assignment);
 }
 
@@ -452,7 +452,7 @@ static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request
     c.own = vv_dataset_is_made(dataset) ? id : before->datasets->entry[0].id;
     c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : c.own;
     vvi_text_add(text, "volvis render ");
-    put_input(text, r->world, id, job);
+    vvi_command_input(text, r->world, id, job);
     vvi_text_add(text, " -o picture.png");
     vv_path_each(&r->world->base, compare, &c);
     vv_object_release(&before->base);
@@ -467,7 +467,7 @@ static vv_status run_command(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = find_dataset(r->world, id);
     vvi_text text = {0};
     bool beyond = !has_data(dataset);
-    vv_status st = beyond ? VV_OK : put_making(&text, r->world, id, job);
+    vv_status st = beyond ? VV_OK : vvi_command_making(&text, r->world, id, job);
     if (!beyond && st == VV_OK)
         st = put_picture(&text, &beyond, r, id, job);
     if (beyond) {
@@ -509,6 +509,8 @@ static vv_status take_operation(vvi_request *r, const json_t *message)
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)
 {
     const bool one = json_object_get(message, "operation") != NULL;
+    if (json_object_get(message, "measurement"))
+        return vvi_request_command_measure(client, id, message);
     vvi_request *r;
     vv_status st = vvi_client_fix_view(client);
     if (st == VV_OK)

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/file_stream.h"
+#include "measure/plot.h"
 #include "measuring/answer.h"
 #include "measuring/world_data.h"
 #include "model/classes.h"
@@ -152,10 +153,29 @@ static vv_status open_all(sources *s, vv_object **question, const vvi_request *r
 
 /* Answer ----------------------------------------------------------------------------------------------------------- */
 
-static vv_status put_answer(vvi_result *out, const vv_answer *answer)
+/* As a file of plots has it; null where nothing is to be plotted. */
+static vv_status put_plot(vvi_result *out, const vv_answer *answer, vv_job *job)
+{
+    char title[256], subtitle[256];
+    vvi_text document = {0};
+    if (!answer->plot) {
+        vvi_result_raw(out, "plot", "null");
+        return VV_OK;
+    }
+    vvi_plot plot = *answer->plot;
+    plot.title = vvi_plot_words(title, sizeof title, plot.title);
+    plot.subtitle = vvi_plot_words(subtitle, sizeof subtitle, plot.subtitle);
+    const vv_status st = vvi_plot_svg(&document, &plot, job);
+    if (st == VV_OK)
+        vvi_result_string(out, "plot", document.s);
+    vvi_text_free(&document);
+    return st;
+}
+
+static vv_status put_answer(vvi_result *out, const vv_answer *answer, bool plotted, vv_job *job)
 {
     char *figures = NULL;
-    const vv_status st = vv_answer_figures(&figures, answer);
+    vv_status st = vv_answer_figures(&figures, answer);
     if (st != VV_OK)
         return st;
     vvi_result_open(out, NULL, '{');
@@ -167,8 +187,12 @@ static vv_status put_answer(vvi_result *out, const vv_answer *answer)
         vvi_result_string(out, NULL, vv_answer_note(answer, i));
     vvi_result_close(out, ']');
     vvi_result_raw(out, "figures", figures);
+    if (plotted)
+        st = put_plot(out, answer, job);
     vvi_result_close(out, '}');
     free(figures);
+    if (st != VV_OK)
+        return st;
     if (out->text.bad)
         return vv_fail_memory(out->text.n);
     return out->text.n <= ANSWER_MOST
@@ -187,7 +211,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     if (st == VV_OK)
         st = vv_measure_run(&answer, (const vv_measurement *)(const void *)r->params, &s.all, job);
     if (st == VV_OK)
-        st = put_answer(&r->value, answer);
+        st = put_answer(&r->value, answer, r->add, job);
     if (st != VV_OK)
         vvi_text_free(&r->value.text);
     vv_answer_release(answer);
@@ -247,6 +271,7 @@ vv_status vvi_request_measure(vvi_client *client, int64_t id, const json_t *mess
     if (st != VV_OK)
         return st;
     r->task.done = vvi_request_done_slowly;
+    r->add = json_is_true(json_object_get(message, "plot"));
     if ((st = vvi_request_copy(&r->name, r, volume)) != VV_OK)
         return st;
     if ((st = take_question(r, json_object_get(message, "question"))) == VV_OK)

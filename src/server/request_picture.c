@@ -106,7 +106,7 @@ static vv_status take_decorations(vv_world **world, const char *view)
 {
     vv_object *root = &(*world)->base;
     char *path = vvi_asprintf("views.%s.decorations", view);
-    const vv_status st = path ? vv_path_unset(&root, path, NULL) : vv_fail_memory(64);
+    const vv_status st = path ? vv_path_set(&root, path, VVI_NO_DECORATIONS, NULL) : vv_fail_memory(64);
     free(path);
     *world = (vv_world *)(void *)root;
     return st;

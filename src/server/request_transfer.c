@@ -189,7 +189,7 @@ static vv_status run_thumbnail(vvi_task *task, vv_job *job)
     if (st == VV_OK) {
         vv_object *root = &sized->base;
         snprintf(path, sizeof path, "views.%s.decorations", r->view);
-        st = vv_path_unset(&root, path, NULL);
+        st = vv_path_set(&root, path, VVI_NO_DECORATIONS, NULL);
         snprintf(path, sizeof path, "views.%s.render.adaptive", r->view);
         if (st == VV_OK) /* so few pixels deserve a ray each */
             st = vv_path_set(&root, path, "false", NULL);

@@ -208,7 +208,7 @@ vv_status vvi_session_free(vvi_session *s, bool keep)
     for (size_t i = 0; i < VVI_CHANGES_KEPT; i++)
         free(s->paths[i]);
     free(s->told);
-    vvi_changes_free(&s->changes);
+    vvi_told_changes_free(&s->changes);
     for (size_t i = 0; i < s->n_given; i++)
         free(s->given[i]);
     free(s->given);

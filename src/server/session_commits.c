@@ -35,6 +35,12 @@ static bool is_of_planes(const char *path)
     return strcmp(path, "cross_hair") == 0 || (volume && strncmp(volume, ".slices", 7) == 0);
 }
 
+static bool shows_measurements(const vvi_client *client, const vv_world *world)
+{
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    return !view || ((const vv_decorations *)(const void *)view->decorations)->measurements;
+}
+
 static bool shows_planes(const vvi_client *client, const vv_world *world)
 {
     const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
@@ -42,13 +48,14 @@ static bool shows_planes(const vvi_client *client, const vv_world *world)
            vvi_camera_is_plane(world, client->view, vv_runtime_registry(client->session->options.runtime));
 }
 
-/* Whether a client's picture may change: other people's views and what was measured are not in it, and what planes are
- * made of is not in pictures of others. */
+/* Whether a client's picture may change: other people's views are not in it, what was measured where its view wants it,
+ * and what planes are made of is not in pictures of others. */
 static bool is_seen(const vvi_client *client, const vv_commit *commit, const vv_world *world)
 {
     for (size_t i = 0; i < commit->n_paths; i++) {
         const char *path = commit->paths[i];
-        const bool elsewhere = strncmp(path, "views.", 6) == 0 || strncmp(path, "measurements", 12) == 0 ||
+        const bool elsewhere = strncmp(path, "views.", 6) == 0 ||
+                               (strncmp(path, "measurements", 12) == 0 && !shows_measurements(client, world)) ||
                                (is_of_planes(path) && !shows_planes(client, world));
         if (!elsewhere || is_own_view(client, path))
             return true;
@@ -117,24 +124,24 @@ const char *vvi_session_told(vvi_session *s)
     return s->told;
 }
 
-void vvi_changes_free(vvi_changes *changes)
+void vvi_told_changes_free(vvi_told_changes *changes)
 {
     if (changes->from)
         vv_object_release(&changes->from->base);
     if (changes->to)
         vv_object_release(&changes->to->base);
     free(changes->text);
-    *changes = (vvi_changes){.text = NULL};
+    *changes = (vvi_told_changes){.text = NULL};
 }
 
 const char *vvi_session_changes(vvi_session *s, const vv_world *known, const vv_world *world)
 {
-    vvi_changes *c = &s->changes;
+    vvi_told_changes *c = &s->changes;
     if (s->told_bytes <= WORLD_SMALL)
         return NULL;
     if (c->from == known && c->to == world)
         return c->text;
-    vvi_changes_free(c);
+    vvi_told_changes_free(c);
     c->from = (vv_world *)(void *)vv_object_retain(&known->base);
     c->to = (vv_world *)(void *)vv_object_retain(&world->base);
     if (vvi_world_changes(&c->text, known, world, s->told_bytes / 2) != VV_OK)

@@ -123,10 +123,10 @@ typedef struct vvi_batch {
 } vvi_batch;
 
 /* What makes one World of another, as text: many clients know the same one. Zeroed is valid. */
-typedef struct vvi_changes {
+typedef struct vvi_told_changes {
     vv_world *from, *to; /* held */
     char *text;          /* NULL: the whole is shorter */
-} vvi_changes;
+} vvi_told_changes;
 
 struct vvi_session {
     vvi_session_options options;
@@ -146,7 +146,7 @@ struct vvi_session {
     char *told;                    /* the World as it is told, printed once for each commit */
     uint64_t told_commit;          /* NULL: of none */
     size_t told_bytes;             /* of the last one that was printed */
-    vvi_changes changes;           /* that were told last */
+    vvi_told_changes changes;      /* that were told last */
     char *who;                     /* of the last commit */
     char *paths[VVI_CHANGES_KEPT]; /* of the last commits, the newest at n_changes - 1: JSON without brackets */
     uint64_t n_changes;
@@ -248,7 +248,7 @@ const char *vvi_session_told(vvi_session *session);
 const char *vvi_session_changes(vvi_session *session, const vv_world *known, const vv_world *world);
 /** How long a client that was told so many bytes of the World waits for the next ones, nanoseconds. */
 int64_t vvi_session_world_rest(const vvi_session *session, size_t bytes);
-void vvi_changes_free(vvi_changes *changes);
+void vvi_told_changes_free(vvi_told_changes *changes);
 
 /* session.c ------------------------------------------------------------------------------------------------------ */
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <volvis/measuring.h>
 #include <volvis/model.h>
 #include <volvis/render.h>
 
@@ -157,6 +158,59 @@ static void tell_renderers(vvi_result *out, const vv_registry *registry)
     vvi_result_close(out, ']');
 }
 
+/* The properties that a form uses, as words. */
+static void tell_uses(vvi_result *out, const char *uses)
+{
+    char word[64];
+    vvi_result_open(out, "uses", '[');
+    for (const char *at = uses + strspn(uses, " "); *at; at += strspn(at, " ")) {
+        const size_t n = strcspn(at, " ");
+        snprintf(word, sizeof word, "%.*s", (int)n, at);
+        vvi_result_string(out, NULL, word);
+        at += n;
+    }
+    vvi_result_close(out, ']');
+}
+
+/* What it is of, and how many points each way takes: 0, however many. */
+static void tell_forms(vvi_result *out, const vv_measure_kind *kind)
+{
+    static const char *const names[] = {"volume", "mesh", "shown"};
+    vvi_result_open(out, "forms", '[');
+    for (const vv_measure_form *form = kind->forms; form->run; form++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_open(out, "of", '[');
+        for (int i = 0; i < 3; i++)
+            if (form->input >> i & 1)
+                vvi_result_string(out, NULL, names[i]);
+        vvi_result_close(out, ']');
+        vvi_result_bool(out, "other", form->other != 0);
+        vvi_result_unsigned(out, "points", form->n_points);
+        tell_uses(out, form->uses);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
+static void tell_measures(vvi_result *out)
+{
+    const vv_measure_kind *kind;
+    vvi_result_open(out, "measures", '[');
+    for (size_t i = 0; (kind = vv_measure_kind_nth(i)) != NULL; i++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", kind->name);
+        vvi_result_string(out, "doc", kind->doc);
+        if (kind->main)
+            vvi_result_string(out, "main", kind->main);
+        vvi_result_bool(out, "plot", kind->plot);
+        vvi_result_unsigned(out, "least_points", kind->least_points);
+        vvi_result_bool(out, "any_points", kind->most_points == SIZE_MAX);
+        tell_forms(out, kind);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
 /* Piecewise linear: what stands behind the first column. */
 static void row_at(double *out, const double *rows, size_t n, size_t columns, double at)
 {
@@ -249,6 +303,7 @@ void vvi_tables_tell(vvi_result *out, const vv_registry *registry)
     tell_classes(out, registry);
     tell_operations(out, registry);
     tell_renderers(out, registry);
+    tell_measures(out);
     tell_presets(out);
     tell_methods(out);
 }

@@ -212,6 +212,28 @@ def test_the_surface_that_a_scene_shows_is_the_object():
         assert ok("measure", "area", name, "--threshold", ",3", "--json").json["threshold_lo"] is None
 
 
+def test_a_measurement_may_name_its_volume():
+    write("low.nrrd", np.full((4, 5, 6), 3, np.uint8))
+    write("high.nrrd", np.full((4, 5, 6), 8, np.uint8))
+    place = {"what": "point", "points": [[1, 1, 1]]}
+    ok("measure", "point", "low.nrrd", "--point", "1,1,1", "--store", "two.vv.json:first")
+    with open("two.vv.json", encoding="utf-8") as file:
+        scene = json.load(file)
+    scene["datasets"]["high"] = {"path": "high.nrrd"}
+    for volume in scene["volumes"].values():
+        volume.setdefault("data", next(iter(scene["datasets"])))
+    scene["volumes"]["high"] = {"data": "high"}
+    scene["measurements"]["second"] = {**place, "volume": "high"}
+    with open("two.vv.json", "w", encoding="utf-8") as file:
+        json.dump(scene, file)
+    found = ok("measure", "stored", "two.vv.json", "--json").json["measurements"]
+    assert [one["value"] for one in found] == [3, 8]
+    scene["measurements"]["second"]["volume"] = "none"
+    with open("two.vv.json", "w", encoding="utf-8") as file:
+        json.dump(scene, file)
+    says(fails(2, "measure", "stored", "two.vv.json", "second"), "no volume 'none'")
+
+
 def test_labels_are_compared_too():
     write("labels.nrrd", noise("uint8", seed=9) % 4)
     ok("measure", "labels", "labels.nrrd", "--store", "study.vv.json")

@@ -1,6 +1,7 @@
 """What the page measures is what the program measures, and data are named by the World alone."""
 import json
 import os
+import shlex
 
 import numpy as np
 
@@ -48,6 +49,7 @@ def test_every_kind_says_what_the_program_says():
         "joint": (("--bins", "6"), {"bins": 6}),
         "profile": (("--point", "0,1,2", "--point", "20,11,5", "--samples", "7"), {**points, "samples": 7}),
         "distance": (("--point", "0,1,2", "--point", "20,11,5"), points),
+        "point": (("--point", "3.5,1,2"), {"points": [[3.5, 1, 2]]}),
         "angle": (("--point", "0,1,2", "--point", "20,11,5", "--point", "1,1,1"), {"points": points["points"] + [[1, 1, 1]]}),
         "geodesic": (("--iso", "0", "--point", "4,12,12", "--point", "12,12,18"),
                      {"iso": 0, "points": [[4, 12, 12], [12, 12, 18]]}),
@@ -126,6 +128,38 @@ def test_an_answer_can_be_kept_in_the_scene_and_asked_again_by_the_program():
         await page.ask("save", path=os.path.abspath("study.vv.json"))
     with_page(work, "ball.nrrd")
     says(ok("measure", "study.vv.json").text, "skin: area, as before", "1 measured, 0 changed")
+
+
+def test_each_stored_one_has_the_line_that_measures_it_again():
+    prepare()
+    kept = {
+        "length": {"what": "distance", "points": [[0.25, 1, 2], [5, 6.5, 5], [1, 1, 1]], "space": "world"},
+        "piece": {"what": "summary", "iso": 1, "seed": [5, 6, 8.4], "space": "world"},
+        "part": {"what": "histogram", "box": "2..20,..,3..9", "bins": 12, "range": [[-3.5, 4]]},
+        "cut": {"what": "volume", "threshold_hi": 2.5, "method": "count", "cut_planes": [{"normal": [1, 2, 0], "offset": 5}]},
+    }
+
+    async def work(page):
+        for name, question in kept.items():
+            await page.ask("edit", edits=[{"op": "add", "path": "measurements", "id": name, "value": question}])
+            line = (await page.ask("command", measurement=name))["text"]
+            found = await page.ask("measure", question=question, plot=True)
+            words = shlex.split(line)
+            assert words[:2] == ["volvis", "measure"], line
+            assert asked(*words[2:]) == found["answer"], line
+            assert ("<svg" in (found["plot"] or "")) == (name == "part"), name
+        # the volume is shown by a threshold of the World, and later moved: the scene says so, the file alone does not
+        question = {"what": "volume"}
+        await page.ask("edit", edits=[{"op": "set", "path": "volumes.ball.segmentation", "value": {"kind": "threshold", "threshold": {"lo": -2}}},
+                                      {"op": "add", "path": "measurements", "id": "shown", "value": question}])
+        found = (await page.ask("measure", question=question))["answer"]
+        words = shlex.split((await page.ask("command", measurement="shown"))["text"])
+        assert asked(*words[2:])["volume"] == found["volume"] and "--iso=-2" in words, words
+        await page.ask("edit", edits=[{"op": "set", "path": "volumes.ball.place.scale", "value": [2, 1, 1]}])
+        line = (await page.ask("command", measurement="shown"))["text"]
+        says(line, "volvis measure stored scene.vv.json 'shown'")
+        says((await page.refused("command", measurement="nothing")), "there is no measurement 'nothing'")
+    with_page(work, "ball.nrrd")
 
 
 def test_no_file_is_read_that_is_not_of_the_world():

@@ -619,7 +619,7 @@ def test_completion_offers_decorations_as_they_are_typed():
     for shell in ("bash", "zsh", "fish"):
         text = ok("completions", shell).text
         says(text, "scale-bar", "cut-planes")
-    says(ok("completions", "bash").text, "words='cube axes scale-bar box cut-planes legend sides cross-hair all none'")
+    says(ok("completions", "bash").text, "words='cube axes scale-bar box cut-planes legend sides cross-hair measurements all none'")
     write_ball("a.nrrd")
     says(fails(2, "render", "a.nrrd", "-o", "a.png", "--decorate", "scale_baz"), "did you mean 'scale-bar'")
 

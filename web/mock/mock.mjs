@@ -7,6 +7,7 @@ import { dirname, join } from "node:path";
 import { argv } from "node:process";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
+import { measured } from "./measured.mjs";
 import { picture } from "./picture.mjs";
 import { torusFile, torusShape } from "./shape.mjs";
 import { emptyWorld, torusWorld, World } from "./world.mjs";
@@ -330,7 +331,8 @@ export async function serve(built, words = []) {
     proposals: () => tables.presets.filter((row) => row.kind === "proposal").map((row, i) => ({ name: row.name, doc: row.doc, ...transfer(), opacity: [[20 + 30 * i, 0], [90 + 30 * i, 0.4], [200, 0]] })),
     thumbnail: (c, m) => ({ picture: `data:image/png;base64,${picture(32, 24, pose(), look(m.preset)).toString("base64")}` }),
     picture: (c, m) => ({ url: `/files/1/${encodeURIComponent(m.name)}` }),
-    command: () => ({ text: "volvis render samples/ring.nrrd -o picture.png --view 30,20 --size 1280x720" }),
+    measure: (c, m) => measured(m.question),
+    command: (c, m) => ({ text: m.measurement ? `volvis measure ${world.value.measurements[m.measurement].what} samples/ring.nrrd` : "volvis render samples/ring.nrrd -o picture.png --view 30,20 --size 1280x720" }),
     shape: (c, m) => torusShape(m.method, look()),
     describe: () => ({ text: "One volume, ring, a transfer function fitted to its histogram, seen from azimuth 30 and elevation 20 degrees." }),
     info: () => ({ dims: [128, 128, 128], spacing: [0.5, 0.5, 0.75], origin: [-31.75, -31.75, -47.625], directions: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], unit: "mm", type: "u8", components: 1, orientation: "RAS", memory_bytes: 2097152 }),

@@ -4,6 +4,7 @@ import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
 import { begin, hindrance } from "./filter/state";
 import { GESTURES } from "./gestures";
 import type { IconName } from "./icons";
+import { isOpen as measuring, toggleRoom } from "./measure/room";
 import { bindingsOf, chordOf, keysOfActions } from "./keys";
 import { atRest, choice, CHOICES, choose, toggleAtRest, wanted } from "./navigator/choice";
 import { togglePanel, togglePanels } from "./panels";
@@ -98,6 +99,7 @@ const own: Action[] = [
   { name: "split", title: "Rendering viewport beside the Navigator", group: "Page", icon: "split", enabled: somethingShown, run: () => toggleLayout("two") },
   { name: "slices", title: "Slices beside the Navigator", doc: "axial, coronal, sagittal", group: "Page", icon: "slices", enabled: somethingShown, run: () => toggleLayout("slices") },
   { name: "layout", title: "Next layout of viewports", group: "Page", icon: "split", enabled: somethingShown, run: () => { setLayout(LAYOUTS[(LAYOUTS.indexOf(store.layout.value) + 1) % LAYOUTS.length]!); } },
+  { name: "measure", title: "Measurement room", doc: "points, distances, angles, profiles, regions, a table of all", group: "Page", icon: "measure", enabled: () => somethingShown() || measuring.value, run: toggleRoom },
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", run: () => togglePanel("right") },
   { name: "panels", title: "Show or hide both panels", group: "Page", icon: "maximise", run: togglePanels },

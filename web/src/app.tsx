@@ -5,6 +5,8 @@ import { Dialogs } from "./dialogs/dialogs";
 import { FilterPanel } from "./filter/panel";
 import { plan } from "./filter/state";
 import { Inspector } from "./inspector/inspector";
+import { MeasureRoom } from "./measure/panel";
+import { tool } from "./measure/room";
 import { ConnectionNotice, LiveRegion, Notices } from "./notices";
 import { Rail } from "./scene/rail";
 import { SliceViewports } from "./slices/slice_viewport";
@@ -49,12 +51,13 @@ export function App() {
     <div class={classes.join(" ")}>
       <TopBar />
       {store.leftOpen.value ? <Rail /> : null}
-      <main class="centre" aria-label="Picture">
+      <main class={`centre ${tool.value ? "measuring" : ""}`} aria-label="Picture">
         <div class={`viewports viewports-${layout} ${store.maximised.value ? "viewports-alone" : ""}`}>
           <Viewport />
           {layout === "two" ? <RenderingViewport /> : null}
           {layout === "slices" ? <SliceViewports /> : null}
         </div>
+        <MeasureRoom />
         {store.isEmpty.value ? <StartPage /> : null}
         <ConnectionNotice />
         {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: add to the scene.</p></div> : null}

@@ -52,6 +52,27 @@ export interface Operation {
   gives: "volume" | "mesh";
 }
 
+/** A way in which a kind is measured: of which data, from how many points (0: however many), with which properties. */
+export interface MeasureForm {
+  of: ("volume" | "mesh" | "shown")[];
+  other: boolean;
+  points: number;
+  uses: string[];
+}
+
+/** A kind of measurement. */
+export interface Measure {
+  name: string;
+  doc: string;
+  /** The figure that stands for it; where none is named, the first. */
+  main?: string;
+  plot: boolean;
+  /** That it is told by; 0: by none. */
+  least_points: number;
+  any_points: boolean;
+  forms: MeasureForm[];
+}
+
 export interface Renderer {
   name: string;
   doc: string;
@@ -86,6 +107,7 @@ export interface Welcome {
   classes: { [name: string]: ObjectClass };
   operations: Operation[];
   renderers: Renderer[];
+  measures: Measure[];
   presets: Preset[];
   colormaps: { [name: string]: string[] };
   bindings: { [name: string]: Binding } | { bindings: { [name: string]: Binding } };

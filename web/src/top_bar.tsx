@@ -2,6 +2,7 @@
 import { allActions, runAction } from "./actions";
 import { Icon, type IconName } from "./icons";
 import { keycaps } from "./keys";
+import { isOpen as measuring } from "./measure/room";
 import * as store from "./store";
 import { theme } from "./theme";
 import { IconButton } from "./ui/controls";
@@ -33,6 +34,7 @@ export function TopBar() {
         <ActionButton name="fit" />
         <ActionButton name="split" pressed={store.split.value} />
         <ActionButton name="slices" pressed={store.layout.value === "slices"} />
+        <ActionButton name="measure" pressed={measuring.value} />
         <ActionButton name="picture" />
         <ActionButton name="command" />
       </div>

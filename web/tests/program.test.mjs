@@ -1,13 +1,16 @@
 // The page in Chromium and the program behind it, with real data.
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
-import { copyFileSync, readFileSync } from "node:fs";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { join } from "node:path";
 import { describe, test } from "node:test";
 import { promisify } from "node:util";
 import { closePage, OF_COLOURS, openPage, search, TOGETHER, until, violations, waitForPicture } from "./browser.mjs";
 import { back, base64Source, browser, changed, drag, file, folder, makePlace, pixels, program, psnr, QUICK, seen, skip, startProgram, withProgram } from "./served.mjs";
+
+/** Of the ball that is measured. */
+const valueAt = (p) => Math.max(0, 255 - 10 * Math.hypot(...p.map((v) => v - 23.5)));
 
 /** Nobody is given one of these by the system, so that it is free again when the server is killed. */
 async function freePort() {
@@ -232,6 +235,104 @@ describe("the program behind the page", TOGETHER, () => {
     await begin("median");
     assert.equal((await values())[0], second[1]);
   }));
+  test("a room measures what is clicked: the program says the same, undo takes it back, and all goes out as CSV", { skip }, () => {
+    const place = makePlace();
+    const n = 48; // values fall by 10 a step from 255 in the middle of a cube, at (23.5, 23.5, 23.5) mm
+    const values = Float32Array.from({ length: n ** 3 }, (_, i) => valueAt([i % n, Math.floor(i / n) % n, Math.floor(i / n / n)]));
+    const head = `NRRD0004\ntype: float\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nendian: little\nspacings: 1 1 1\nunits: "mm" "mm" "mm"\n\n`;
+    writeFileSync(join(place, "ball.nrrd"), Buffer.concat([Buffer.from(head), Buffer.from(values.buffer)]));
+    const labels = Uint8Array.from({ length: n ** 3 }, (_, i) => ([i % n, Math.floor(i / n) % n, Math.floor(i / n / n)].every((v) => v >= 10 && v < 40) ? 7 : 0));
+    writeFileSync(join(place, "labels.nrrd"), Buffer.concat([Buffer.from(head.replace("float", "uint8").replace("endian: little\n", "")), Buffer.from(labels.buffer)]));
+    const ask = async (words) => JSON.parse((await promisify(execFile)(program, [...words, "--json"], { cwd: place })).stdout);
+    const slice = (page) => page.locator("[data-slice=axial] .slice-area");
+    const enter = async (page) => {
+      await waitForPicture(page);
+      await page.locator("[data-viewport]").focus();
+      for (const key of ["v", "v", "m"]) await page.keyboard.press(key);
+      await page.locator(".measure-tool").first().waitFor();
+      await page.locator("[data-slice=axial][data-final]").waitFor();
+    };
+    const rowsOf = (page) => page.locator(".measure-table tbody tr");
+    const measure = async (page, tool, places) => {
+      const before = await rowsOf(page).count();
+      await page.locator(".measure-tool", { hasText: tool }).click();
+      const box = await slice(page).boundingBox();
+      for (const [x, y] of places) await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 + y);
+      await rowsOf(page).nth(before).waitFor();
+      await page.keyboard.press("Escape");
+      return page.sent.filter((m) => m.type === "edit" && m.edits[0].path === "measurements").at(-1).edits[0].value;
+    };
+    const withScene = (name, act) => withProgram([name, "--spp", "1"], act, { place });
+    const isNear = (a, b, off, what) => assert.ok(Math.abs(a - b) <= off, `${what}: ${a}, expected ${b}`);
+    return withScene("ball.nrrd", async (page) => {
+      await enter(page);
+      const line = await measure(page, /^Distance$/, [[-40, -10], [35, 20]]);
+      const [a, b] = line.points;
+      assert.equal(line.space, "world");
+      isNear(line.figures[0].value, Math.hypot(...a.map((v, i) => v - b[i])), 1e-6, "length");
+      assert.equal(a[2], b[2]);
+      const words = ["measure", "distance", "ball.nrrd", "--space", "world", ...line.points.flatMap((p) => ["--point", p.join(",")])];
+      isNear((await ask(words)).distance, line.figures[0].value, 1e-9, "the program's length");
+
+      const angle = await measure(page, /^Angle$/, [[-40, 0], [0, -30], [40, 0]]);
+      // pixels of the picture are square; those of the page are as large as a layout in parts of pixels makes them
+      const [across, up] = await slice(page).evaluate((e) => { const r = e.getBoundingClientRect(); return [e.clientWidth / r.width, e.clientHeight / r.height]; });
+      isNear(angle.figures[0].value, (2 * Math.atan((40 * across) / (30 * up)) * 180) / Math.PI, 1e-4, "angle");
+
+      const point = await measure(page, /^Point$/, [[30, 25]]);
+      isNear(point.figures[0].value, valueAt(point.points[0]), 0.3, "the value at a place"); // between samples of a cone
+      const profile = await measure(page, /^Profile$/, [[-50, 0], [50, 0]]);
+      const middle = profile.points[0].map((v, i) => (v + profile.points[1][i]) / 2);
+      assert.ok(middle.every((v) => Math.abs(v - 23.5) <= 1), `the picture's middle is at ${middle}`);
+      await page.locator(".measure-plot").waitFor();
+
+      const lines = async () => {
+        const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save CSV" }).click()]);
+        return readFileSync(await file.path(), "utf8").split("\r\n");
+      };
+      const csv = await lines();
+      assert.equal(csv[0], "name,kind,of,quantity,value,error,unit");
+      assert.ok(csv.includes(`distance,distance,ball,distance,${line.figures[0].value},${line.figures[0].error},mm`), csv.join("\n"));
+      assert.ok(csv.some((row) => row.startsWith("profile,profile,ball,length,")));
+
+      // a point is dragged: one step, with what comes out of it
+      await page.locator(".measure-name", { hasText: /^distance$/ }).click();
+      const handle = slice(page).getByRole("button", { name: "Point 2 of 2 of distance" });
+      await handle.focus();
+      const sent = page.sent.length;
+      await page.keyboard.press("Shift+ArrowRight");
+      await until(() => page.sent.slice(sent).some((m) => m.edits?.some((e) => e.path === "measurements.distance.figures")), "no new length is kept");
+      const kept = page.sent.findLast((m) => m.edits?.some((e) => e.path.endsWith(".figures"))).edits;
+      isNear(kept[1].value[0].value, Math.hypot(...kept[0].value[0].map((v, i) => v - kept[0].value[1][i])), 1e-6, "the length after a drag");
+      await until(async () => !(await lines()).includes(csv[1]), "the table still has the old length");
+      await page.keyboard.press("Control+z");
+      await until(async () => (await lines()).includes(csv[1]), "undo does not bring the length back");
+      await page.keyboard.press("Control+z");
+      await rowsOf(page).nth(3).waitFor({ state: "detached" });
+
+      // by double clicks and Enter lines of any number of points end; Backspace takes one back
+      await page.locator(".measure-tool", { hasText: /^Polyline$/ }).click();
+      await slice(page).focus();
+      const box = await slice(page).boundingBox();
+      for (const x of [-40, 0, 20, 40]) await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 - 40);
+      await until(async () => (await slice(page).locator("g[aria-hidden] .measure-dot").count()) === 4, "not all points are drawn");
+      await page.keyboard.press("Backspace");
+      await page.keyboard.press("Enter");
+      await rowsOf(page).nth(3).waitFor();
+      assert.equal(page.sent.findLast((m) => m.type === "edit" && m.edits[0].path === "measurements").edits[0].value.points.length, 3);
+      assert.deepEqual(await violations(page), []);
+    }).then(() => withScene("labels.nrrd", async (page) => {
+      await enter(page);
+      const label = await measure(page, /^Label$/, [[5, 5]]);
+      assert.equal(label.label, 7);
+      const figure = (name) => label.figures.find((f) => f.name === name).value;
+      assert.equal(figure("volume"), 30 ** 3);
+      const region = await measure(page, /^Region$/, [[-100, -60], [90, 50]]);
+      assert.match(region.box, /^\d+\.\.\d+,\d+\.\.\d+,(\d+)\.\.\1$/);
+      const found = await ask(["measure", "statistics", "labels.nrrd", "--box", region.box]);
+      assert.equal(region.figures.find((f) => f.name === "mean").value, found.mean);
+    }));
+  });
 
   test("a colour map is moved by its ends", { skip }, () => withProgram(QUICK, async (page) => {
     const first = await seen(page);

@@ -22,6 +22,26 @@ const layout = async (page, presses) => {
   for (let i = 0; i < presses; i++) await page.keyboard.press("v");
 };
 
+/** The room with one of every sort of tool used on slices. */
+async function measured(page) {
+  await layout(page, 2);
+  await page.locator("[data-slice=axial][data-final]").waitFor();
+  await page.getByRole("button", { name: "Measurement room" }).click();
+  const use = async (tool, plane, ...places) => {
+    await page.locator(".measure-tool", { hasText: tool }).click();
+    const n = await page.locator(".measure-table tbody tr").count();
+    for (const [x, y] of places) {
+      const box = await page.locator(`[data-slice=${plane}] .slice-area`).boundingBox();
+      await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    }
+    await page.locator(".measure-table tbody tr").nth(n).waitFor();
+    await page.keyboard.press("Escape");
+  };
+  await use(/^Distance$/, "axial", [0.3, 0.4], [0.7, 0.5]);
+  await use(/^Angle$/, "coronal", [0.35, 0.6], [0.5, 0.4], [0.65, 0.6]);
+  await use(/^Profile$/, "sagittal", [0.3, 0.5], [0.7, 0.5]);
+}
+
 export const states = [
   { name: "volume", go: async () => {} },
   { name: "transfer-points", go: async (page) => { await page.getByRole("tab", { name: "Points" }).click(); await page.getByRole("slider", { name: /^Opacity point 2/ }).focus(); } },
@@ -71,6 +91,21 @@ export const states = [
     await clickAt(page, box.x + box.width / 2, box.y + box.height / 2);
     await page.waitForSelector(".probe");
   } },
+  { name: "measure-profile", go: measured },
+  { name: "measure-drawing", go: async (page) => {
+    await measured(page);
+    await page.locator(".measure-tool", { hasText: /^Polyline$/ }).click();
+    const box = await page.locator("[data-slice=axial] .slice-area").boundingBox();
+    for (const [x, y] of [[0.25, 0.6], [0.4, 0.75], [0.6, 0.7]]) await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    await page.mouse.move(box.x + 0.75 * box.width, box.y + 0.6 * box.height);
+    await page.locator(".measure-live").waitFor();
+  } },
+  { name: "measure-histogram", go: async (page) => {
+    await page.getByRole("button", { name: "Measurement room" }).click();
+    await page.locator(".measure-tool", { hasText: "Whole volume" }).click();
+    await page.locator(".measure-steps").waitFor();
+  } },
+  { name: "measure-empty", go: async (page) => { await page.getByRole("button", { name: "Measurement room" }).click(); await page.locator(".measure-room").waitFor(); } },
   { name: "refused", go: async (page) => {
     await select(page, "key");
     await page.getByRole("textbox", { name: "Intensity" }).fill("nonsense");

@@ -30,7 +30,7 @@ bool vvi_decorate_wanted(const vv_scene *scene)
 {
     const vv_decorations *d = wanted_by(scene);
     return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || d->sides || d->cross_hair ||
-           has_text(d->title) || has_text(d->caption);
+           has_text(d->title) || has_text(d->caption) || (d->measurements && vvi_sheet_has_measurements(scene));
 }
 
 /* The view's id, as errors name it. */
@@ -168,6 +168,8 @@ vv_status vvi_sheet_place(vvi_sheet_plan *p, vvi_sheet *s)
         st = vvi_sheet_legend_place(&p->legend, s);
     if (d->axes)
         vvi_sheet_axes_place(&p->axes, s);
+    if (d->measurements)
+        vvi_sheet_measurements_place(&p->measurements, s);
     return st;
 }
 
@@ -182,6 +184,8 @@ static vv_status draw_placed(const vvi_sheet_plan *p, const vvi_sheet *s)
     vv_status st = VV_OK;
     if (s->wanted->cross_hair && s->scene->renderer->plane)
         st = vvi_sheet_cross_hair(s);
+    if (st == VV_OK)
+        st = vvi_sheet_measurements_draw(&p->measurements, s);
     if (st == VV_OK)
         st = vvi_sheet_axes_draw(&p->axes, s);
     if (st == VV_OK)

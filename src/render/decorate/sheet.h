@@ -174,6 +174,21 @@ vv_status vvi_sheet_sides_draw(const vvi_sheet_sides *sides, const vvi_sheet *sh
 /** Across the picture, with a gap where it is. */
 vv_status vvi_sheet_cross_hair(const vvi_sheet *sheet);
 
+/** Measurements of the World: places and lines of those that show, and what came out of each. */
+enum { VVI_SHEET_MEASUREMENTS = 64 };
+typedef struct vvi_sheet_measurements {
+    struct {
+        const vv_measurement *of;
+        vvi_sheet_axis_label label;
+    } shown[VVI_SHEET_MEASUREMENTS];
+    size_t n;
+} vvi_sheet_measurements;
+/** Whether a scene has any that show. */
+bool vvi_sheet_has_measurements(const vv_scene *scene);
+/** Letters that find no room are left out, lines never. */
+void vvi_sheet_measurements_place(vvi_sheet_measurements *out, vvi_sheet *sheet);
+vv_status vvi_sheet_measurements_draw(const vvi_sheet_measurements *measurements, const vvi_sheet *sheet);
+
 /** All that stands on a picture. */
 typedef struct vvi_sheet_plan {
     vvi_sheet_captions captions;
@@ -182,9 +197,10 @@ typedef struct vvi_sheet_plan {
     vvi_sheet_legend legend;
     vvi_sheet_axes axes;
     vvi_sheet_sides sides;
+    vvi_sheet_measurements measurements;
 } vvi_sheet_plan;
 /** Places what is wanted, in this order: title and caption, letters at the borders, scale bar, cube, legend,
- * axes. Who comes first has the
+ * axes, measurements. Who comes first has the
  * first choice, and stays longest as pictures grow small. No two boxes meet, and none leaves the picture. Finish it,
  * after errors too. */
 vv_status vvi_sheet_place(vvi_sheet_plan *out, vvi_sheet *sheet);

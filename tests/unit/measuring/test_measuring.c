@@ -209,6 +209,37 @@ static void a_profile_of_a_ramp_is_the_ramp(void **state)
     vv_field_release(f);
 }
 
+static void a_place_has_the_value_that_is_there(void **state)
+{
+    (void)state;
+    vv_field *f = test_field_cube(&test_form_ramp, 9, 0, 8, NULL);
+    vv_answer *a = answer_of("{\"what\": \"point\", \"points\": [[1.25, 2.5, 3]]}", f, NULL);
+    assert_figure(a, "value", 3 + 2 * 1.25 - 2.5 + 0.5 * 3, 1e-5, "");
+    vv_answer_release(a);
+    a = answer_of("{\"what\": \"point\", \"points\": [[-3, 0, 0]]}", f, NULL);
+    assert_true(isnan(figure(a, "value")->value));
+    assert_non_null(vv_answer_note(a, 0));
+    vv_answer_release(a);
+    vv_field_release(f);
+}
+
+/* Of a right angle, of what goes back the way it came, and of places that are one: errors of places add up as their
+ * moves along the line do. */
+static void the_length_along_several_places_is_the_sum(void **state)
+{
+    (void)state;
+    vv_field *f = ball();
+    const double place = 0.5 / sqrt(12);
+    vv_answer *a = answer_of("{\"what\": \"distance\", \"points\": [[0, 0, 0], [6, 0, 0], [6, 8, 0]]}", f, NULL);
+    assert_figure(a, "distance", 7, 1e-9, "mm");
+    assert_true(fabs(figure(a, "distance")->error - sqrt(1 + 2 + 1) * place) < 1e-9);
+    vv_answer_release(a);
+    a = answer_of("{\"what\": \"distance\", \"points\": [[0, 0, 0], [6, 0, 0], [0, 0, 0], [0, 0, 0]]}", f, NULL);
+    assert_figure(a, "distance", 6, 1e-9, "mm");
+    vv_answer_release(a);
+    vv_field_release(f);
+}
+
 static void distances_and_angles_are_those_of_the_places(void **state)
 {
     (void)state;
@@ -440,6 +471,8 @@ int main(void)
         cmocka_unit_test(a_box_and_planes_leave_half_a_ball),
         cmocka_unit_test(what_the_scene_shows_is_the_object_unless_another_is_asked_for),
         cmocka_unit_test(a_profile_of_a_ramp_is_the_ramp),
+        cmocka_unit_test(a_place_has_the_value_that_is_there),
+        cmocka_unit_test(the_length_along_several_places_is_the_sum),
         cmocka_unit_test(distances_and_angles_are_those_of_the_places),
         cmocka_unit_test(shells_are_as_far_apart_as_their_radii),
         cmocka_unit_test(bins_hold_every_sample),

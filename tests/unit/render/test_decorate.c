@@ -294,6 +294,66 @@ static void each_stands_where_it_belongs_and_layers_stay(void **state)
     vv_object_release(&world->base);
 }
 
+/* Ink at a place of a picture that a plain one of the same World has not. */
+static bool is_drawn(vv_world *world, vv_vec3 at)
+{
+    vv_world *without = (vv_world *)(void *)vv_object_retain(&world->base);
+    set(&without, "views.main.decorations.measurements", "false");
+    vv_image *plain = picture_of(without), *image = picture_of(world);
+    vv_scene *scene;
+    double x = 0, y = 0, depth;
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    const vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+    assert_true(vvi_sheet_project(&x, &y, &depth, &sheet, at));
+    const int32_t px = (int32_t)x, py = (int32_t)y;
+    const bool drawn = n_different(plain, image, px - 1, py - 1, px + 2, py + 2) > 2;
+    assert_memory_equal(plain->depth, image->depth, 120 * 100 * sizeof(float));
+    vv_scene_release(scene);
+    vv_image_release(plain);
+    vv_image_release(image);
+    vv_object_release(&without->base);
+    return drawn;
+}
+
+static void measurements_are_drawn_by_themselves_where_they_are(void **state)
+{
+    (void)state;
+    const vv_vec3 end = {4, 8, 8}, on_line = {9, 8, 8}, beside = {8, 8, 13};
+    vv_world *world = ball();
+    assert_false(is_drawn(world, end));
+    set(&world, "measurements.far",
+        "{\"what\": \"distance\", \"points\": [[4, 8, 8], [12, 8, 8]], \"space\": \"world\"}");
+    assert_true(is_drawn(world, end) && is_drawn(world, on_line)); /* also inside the ball */
+    assert_false(is_drawn(world, beside));
+    set(&world, "measurements.far.visible", "false");
+    assert_false(is_drawn(world, end));
+    set(&world, "measurements.part", "{\"what\": \"statistics\", \"box\": \"2..14,..,3..13\"}");
+    vv_scene *scene;
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    const vv_affine place = scene->actors[0].index_to_world;
+    vv_scene_release(scene);
+    assert_true(is_drawn(world, vv_affine_point(place, vvi_vec(8, -0.5, 13.5))));
+    assert_false(is_drawn(world, vv_affine_point(place, vvi_vec(8, -0.5, 8))));
+    vv_object_release(&world->base);
+}
+
+static void a_slice_shows_what_is_measured_in_it(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    set(&world, "views.main.render", "{\"method\": \"slice\", \"slice\": {\"orientation\": \"axial\"}}");
+    set(&world, "cross_hair", "[8, 8, 8]");
+    set(&world, "measurements.flat",
+        "{\"what\": \"distance\", \"points\": [[4, 8, 8], [12, 8, 8]], \"space\": \"world\"}");
+    set(&world, "measurements.through",
+        "{\"what\": \"distance\", \"points\": [[8, 4, 2], [8, 12, 14]], \"space\": \"world\"}");
+    assert_true(is_drawn(world, vvi_vec(5, 8, 8)));
+    assert_false(is_drawn(world, vvi_vec(8, 5, 8))); /* it crosses the slice in the middle alone */
+    set(&world, "cross_hair", "[8, 8, 12]");
+    assert_false(is_drawn(world, vvi_vec(5, 8, 12)));
+    vv_object_release(&world->base);
+}
+
 /* From the front the box is a square about the ball; from a corner its near edges cross the ball, its far ones are
  * behind it. */
 static void the_box_is_hidden_by_what_is_before_it(void **state)
@@ -801,6 +861,8 @@ int main(void)
         cmocka_unit_test(the_camera_stays),
         cmocka_unit_test(boxes_and_axes_are_seen_whole_where_the_camera_is_open),
         cmocka_unit_test(each_stands_where_it_belongs_and_layers_stay),
+        cmocka_unit_test(measurements_are_drawn_by_themselves_where_they_are),
+        cmocka_unit_test(a_slice_shows_what_is_measured_in_it),
         cmocka_unit_test(the_box_is_hidden_by_what_is_before_it),
         cmocka_unit_test(scale_bars_are_as_long_as_they_say),
         cmocka_unit_test(scale_bars_are_right_for_every_camera),

@@ -2,6 +2,7 @@
 import { addObject, runAction } from "../actions";
 import { addCutPlane } from "../cut_planes";
 import { Icon, type IconName } from "../icons";
+import { isOpen as measuring, toggleRoom } from "../measure/room";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { DataCard } from "./data_card";
@@ -35,6 +36,10 @@ function Components() {
       >
         <Icon name="operation" />
         <span>Filter</span>
+      </button>
+      <button type="button" class="component" title="points, distances, angles, profiles, regions and a table of all" disabled={store.isEmpty.value} aria-pressed={measuring.value} onClick={toggleRoom}>
+        <Icon name="measure" />
+        <span>Measurement</span>
       </button>
     </nav>
   );

@@ -20,7 +20,7 @@ const MAPS: { map: string; text: string; icon: IconName; toggle?: "visible" | "o
   { map: "volumes", text: "Volumes", icon: "volume", toggle: "visible" },
   { map: "lights", text: "Lights", icon: "light", toggle: "on" },
   { map: "datasets", text: "Data", icon: "dataset" },
-  { map: "measurements", text: "Measurements", icon: "measure" },
+  { map: "measurements", text: "Measurements", icon: "measure", toggle: "visible" },
 ];
 
 function cutPlaneRows(at: string): Row[] {

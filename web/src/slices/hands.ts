@@ -1,12 +1,14 @@
 /** What pointers and keys do in a slice. */
 import type { RefObject } from "preact";
 import { useEffect } from "preact/hooks";
+import { focusOn, pointAt, press, release, type Target } from "../measure/hands";
+import { finish, hover, tool } from "../measure/room";
 import * as store from "../store";
 import { endGesture, goToSlice, moveCrossHair, runOf, setWindow, stepSlices, windowNow } from "./edits";
 import { draggedWindow, panned, toWorld, zoomed } from "./geometry";
 import type { SliceView } from "./slice_view";
 
-type Drag = { what: "hair" | "window" | "pan"; x: number; y: number; window: [number, number] | null };
+type Drag = { what: "hair" | "window" | "pan" | "measure"; x: number; y: number; window: [number, number] | null };
 
 const ZOOM = 1.15;
 const PAN_KEY = 0.05; // of the picture
@@ -19,20 +21,21 @@ class Hands {
   private wheel = 0;
   private stop = new AbortController();
 
-  constructor(private area: HTMLElement, private view: SliceView) {
+  constructor(private area: HTMLElement, private view: SliceView, private target: Target) {
     const on = <K extends keyof HTMLElementEventMap>(type: K, fn: (event: HTMLElementEventMap[K]) => void) =>
       area.addEventListener(type, fn, { signal: this.stop.signal, passive: false });
     on("pointerdown", this.down);
     on("pointermove", this.move);
     on("pointerup", this.up);
     on("pointercancel", this.up);
-    on("pointerleave", () => { store.pointed.value = null; });
+    on("pointerleave", () => { store.pointed.value = hover.value = null; });
+    on("focus", () => focusOn(this.target));
     on("wheel", this.turn);
     on("keydown", this.key);
     on("keyup", (event) => { if (event.key.toLowerCase() === "w") windowKey = false; });
     on("blur", () => { windowKey = false; });
     on("contextmenu", (event) => event.preventDefault());
-    on("dblclick", () => toggleMaximised(this.view.plane));
+    on("dblclick", () => { if (tool.value) finish(); else toggleMaximised(this.view.plane); });
   }
 
   dispose(): void {
@@ -60,15 +63,18 @@ class Hands {
     event.preventDefault();
     if (this.drag) return;
     this.area.setPointerCapture(event.pointerId);
-    const what = event.button === 1 ? "pan" : event.button === 2 || windowKey ? "window" : "hair";
+    const what = event.button === 1 ? "pan" : event.button === 2 || windowKey ? "window" : tool.value ? "measure" : "hair";
     this.drag = { what, x: event.clientX, y: event.clientY, window: what === "window" ? windowNow() : null };
     if (what === "hair") this.hairTo(event);
+    if (what === "measure") press(this.target, ...this.place(event));
   };
 
   private move = (event: PointerEvent): void => {
     const d = this.drag;
+    pointAt(this.target, ...this.place(event));
+    if (d?.what === "measure") return;
     if (!d) {
-      if (event.shiftKey) this.hairTo(event);
+      if (event.shiftKey && !tool.value) this.hairTo(event);
       void this.view.point(...this.place(event));
       return;
     }
@@ -85,8 +91,14 @@ class Hands {
     }
   };
 
-  private up = (): void => {
-    if (this.drag && this.drag.what !== "pan") endGesture();
+  private up = (event: PointerEvent): void => {
+    const d = this.drag;
+    if (d?.what === "measure" && event.type === "pointerup") {
+      const { clientWidth, clientHeight } = this.area;
+      const [x, y] = this.place(event);
+      release(this.target, [x - (event.clientX - d.x) / clientWidth, y - (event.clientY - d.y) / clientHeight], [x, y], [clientWidth, clientHeight]);
+    }
+    if (d && d.what !== "pan") endGesture();
     this.drag = null;
   };
 
@@ -127,9 +139,9 @@ export function toggleMaximised(what: string): void {
   store.maximised.value = store.maximised.value === what ? null : what;
 }
 
-export function useHands(area: RefObject<HTMLElement | null>, view: SliceView): void {
+export function useHands(area: RefObject<HTMLElement | null>, view: SliceView, target: Target): void {
   useEffect(() => {
-    const hands = new Hands(area.current!, view);
+    const hands = new Hands(area.current!, view, target);
     return () => hands.dispose();
   }, []);
 }

@@ -3,13 +3,17 @@ import { useSignalEffect } from "@preact/signals";
 import type { TargetedEvent } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { PreviewOverlay } from "../filter/preview";
+import { isInSlice } from "../measure/geometry";
+import type { Target } from "../measure/hands";
+import { MeasureOverlay } from "../measure/overlay";
+import type { Pick } from "../protocol";
 import { fetchInfo } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { formatNumber, label } from "../values";
 import { watchSize } from "../view/pixel_size";
 import { datasetOfRuns, endGesture, goToSlice, runOf } from "./edits";
-import { AXIS, PLANES, sliceAt, toPicture, type Plane } from "./geometry";
+import { AXIS, PLANES, sliceAt, toPicture, toWorld, type Plane, type Vec3 } from "./geometry";
 import { toggleMaximised, useHands } from "./hands";
 import { SliceView } from "./slice_view";
 
@@ -64,11 +68,35 @@ function Place({ plane }: { plane: Plane }) {
   );
 }
 
+/** What measuring asks of a slice: every place of it is one of the World. */
+function targetOf(view: SliceView, size: () => [number, number]): Target {
+  const aspect = () => { const [width, height] = size(); return width / Math.max(1, height); };
+  const hair = () => store.crossHair.value;
+  return {
+    name: view.plane,
+    at: (x, y) => (view.pose.value && hair() ? toWorld(view.pose.value, aspect(), x, y, hair()!) : null),
+    pick: (x, y) => view.ask<Pick>({ type: "pick", x, y }).catch(() => null),
+    middle: () => (view.pose.value && hair() ? toPicture(view.pose.value, aspect(), hair()!) : [0.5, 0.5]),
+  };
+}
+
+/** Handles that are dragged stay as deep as they are. */
+function Measures({ view, target, width, height }: { view: SliceView; target: Target; width: number; height: number }) {
+  const pose = view.pose.value;
+  const hair = store.crossHair.value;
+  const dataset = datasetOfRuns();
+  const info = dataset ? store.dataInfos.value[dataset] : undefined;
+  const isHere = (p: Vec3) => hair !== null && isInSlice(info && typeof info !== "string" ? info : null, view.plane, hair, p);
+  const drag = (x: number, y: number, from: Vec3) => Promise.resolve(pose ? toWorld(pose, width / height, x, y, from) : null);
+  return <MeasureOverlay target={target} pose={pose} width={width} height={height} isHere={isHere} drag={drag} />;
+}
+
 function SliceViewport({ plane }: { plane: Plane }) {
   const area = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const view = useMemo(() => new SliceView(plane), []);
   const [[width, height], setSize] = useState([0, 0]);
+  const target = useMemo(() => targetOf(view, () => [area.current?.clientWidth ?? 1, area.current?.clientHeight ?? 1]), []);
   useEffect(() => {
     const element = area.current!; // its size is told once more when it is gone from here
     const unwatch = watchSize(element, (w, h) => {
@@ -81,7 +109,7 @@ function SliceViewport({ plane }: { plane: Plane }) {
       view.stop();
     };
   }, []);
-  useHands(area, view);
+  useHands(area, view, target);
   const large = store.maximised.value === plane;
   const hidden = store.maximised.value !== null && !large;
   return (
@@ -93,6 +121,7 @@ function SliceViewport({ plane }: { plane: Plane }) {
         <canvas ref={canvas} class="picture" role="img" aria-label={`${label(plane)} slice`} />
         <PreviewOverlay viewport={plane} ask={(message) => view.ask(message)} frame={view.frame.value?.number ?? 0} still={view.isFinal.value && !hidden} />
         <CrossHair view={view} width={width!} height={height!} />
+        <Measures view={view} target={target} width={width!} height={height!} />
       </div>
       <div class="slice-bar">
         <span class={`slice-name line-${AXES[AXIS[plane]]}`}>{label(plane)}</span>

@@ -4,6 +4,9 @@ import { asksWhere, ownsKey } from "../actions";
 import { NavigatorPreview } from "../filter/preview";
 import { drawFrame } from "../frames";
 import { ViewportInput } from "../input/viewport_input";
+import { MeasureNavigator, navigatorTarget } from "../measure/navigator";
+import { focusOn, press } from "../measure/hands";
+import { finish, tool } from "../measure/room";
 import { DrawingChooser, OwnState } from "../navigator/chooser";
 import { shown } from "../navigator/choice";
 import { OwnDrawing } from "../navigator/own_drawing";
@@ -32,15 +35,22 @@ export function Viewport() {
     const input = new ViewportInput(element, {
       send: (lines) => send({ type: "events", lines: lines.join("\n") }),
       expect: expectInput,
-      click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
+      click: (x, y) => {
+        if (store.isEmpty.value) return;
+        if (tool.value) press(navigatorTarget, x, y);
+        else void pick(x, y);
+      },
       ownsKey,
       asksWhere,
     });
-    const alone = () => { if (store.layout.value === "slices") store.maximised.value = store.maximised.value ? null : "navigator"; };
+    const focus = () => focusOn(navigatorTarget);
+    element.addEventListener("focus", focus);
+    const alone = () => { if (tool.value) finish(); else if (store.layout.value === "slices") store.maximised.value = store.maximised.value ? null : "navigator"; };
     element.addEventListener("dblclick", alone);
     return () => {
       unwatch();
       element.removeEventListener("dblclick", alone);
+      element.removeEventListener("focus", focus);
       input.dispose();
       drawing.dispose();
     };
@@ -62,6 +72,7 @@ export function Viewport() {
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
       {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} final={store.isFinal.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
+      <MeasureNavigator area={area} />
       <LightHandles />
       <AxesGizmo />
       <ProbeBar />

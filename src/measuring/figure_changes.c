@@ -1,4 +1,4 @@
-#include "measuring/changes.h"
+#include "measuring/figure_changes.h"
 #include "core/memory.h"
 #include "core/status.h"
 #include <math.h>

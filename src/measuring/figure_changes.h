@@ -1,8 +1,8 @@
 /** @file
  * Figures of a measurement then and now.
  */
-#ifndef VVI_MEASURING_CHANGES_H
-#define VVI_MEASURING_CHANGES_H
+#ifndef VVI_MEASURING_FIGURE_CHANGES_H
+#define VVI_MEASURING_FIGURE_CHANGES_H
 #include <volvis/model.h>
 
 typedef struct vvi_change {

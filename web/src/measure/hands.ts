@@ -1,0 +1,66 @@
+/** Clicks and keys of a tool: where they are in the World is for the viewport to say. */
+import type { Pick } from "../protocol";
+import type { Vec3 } from "../slices/geometry";
+import * as store from "../store";
+import { draft, finish, hover, isOpen, place, takeBack, takeTool, tool } from "./room";
+
+/** A viewport: what is at a place of it, from 0 to 1 from the top left. */
+export interface Target {
+  name: string;
+  /** Exactly, in a slice; null where only what is seen has a place. */
+  at(x: number, y: number): Vec3 | null;
+  pick(x: number, y: number): Promise<Pick | null>;
+  /** Where keys place points. */
+  middle(): [number, number];
+}
+
+let order = Promise.resolve(); // answers come one after the other, as the clicks did
+
+export function press(target: Target, x: number, y: number): void {
+  const at = target.at(x, y);
+  order = order.then(async () => {
+    const seen = await target.pick(x, y);
+    const there = at ?? (seen?.hit ? (seen.position as Vec3 | null) : null);
+    if (there) place(there, seen);
+    else store.notify("info", "Nothing is seen there: points are placed on what is seen, or in slices.");
+  });
+}
+
+export function pointAt(target: Target, x: number, y: number): void {
+  if (tool.value) hover.value = { where: target.name, x, y, at: target.at(x, y) };
+}
+
+const NEAR = 6; // pixels
+
+/** A press, and the release of the same hand: a drag of some length gives the other end, too. */
+export function release(target: Target, from: [number, number], to: [number, number], size: [number, number]): void {
+  const moved = Math.hypot((to[0] - from[0]) * size[0], (to[1] - from[1]) * size[1]);
+  if (moved > NEAR && tool.value) press(target, ...to);
+}
+
+/** The viewport that has the focus, for keys. */
+let focused: Target | null = null;
+export function focusOn(target: Target | null): void {
+  focused = target;
+}
+
+function onKey(event: KeyboardEvent): void {
+  const element = event.target as HTMLElement | null;
+  if (!isOpen.value || !tool.value || store.dialog.value || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (element?.closest?.("input, textarea, select, button, [role=button]") && event.key !== "Escape") return;
+  const inViewport = element?.closest?.(".viewport") != null;
+  if (event.key === "Escape" && draft.value.length) draft.value = [];
+  else if (event.key === "Escape") takeTool(null);
+  else if (event.key === "Backspace" && draft.value.length) takeBack();
+  else if (event.key === "Enter" && draft.value.length) finish();
+  else if (event.key === " " && inViewport && focused) press(focused, ...focused.middle());
+  else return;
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+/** Before viewports and bindings hear of them. Returns what ends it. */
+export function listenToKeys(): () => void {
+  window.addEventListener("keydown", onKey, true);
+  return () => window.removeEventListener("keydown", onKey, true);
+}
