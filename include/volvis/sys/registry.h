@@ -177,6 +177,9 @@ struct vv_operation {
     /** The time steps of its inputs follow each other in the result: plan sees all inputs, all others one time step of
      * one of them at a time. vv_run_new() runs it. */
     bool joins;
+    /** About how many bytes it holds beside its inputs and its result, for --dry-run: of those that take all samples at
+     * once. Where that hangs on the samples, of parts as they are in pictures of bodies and cells. NULL: tiles. */
+    uint64_t (*memory)(const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
