@@ -86,6 +86,7 @@ typedef struct vv_run_about {
     int64_t n_frames;   /**< time steps */
     size_t n_layers;    /**< of a segmentation, each of all samples, which go into one file; 0: it has none */
     uint64_t bytes;     /**< that samples and results take */
+    uint64_t working;   /**< that steps hold beside them, about: the one that holds most; 0: no more than tiles */
     bool streamed;      /**< they are more than should be held at once: slab by slab */
     bool finds_type;    /**< all samples are looked at for the smallest type that holds their values, before they are
                            written */

@@ -495,6 +495,13 @@ static const vv_operand inputs_taken[] = {
     {0},
 };
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    finding f = {.info = &inputs[0], .p = (const bias_params *)params};
+    choose_samples(&f, params);
+    return 3 * (uint64_t)f.n_all * sizeof(double);
+}
+
 const vv_operation vvi_operation_bias = {
     .api = VV_OPERATION_API,
     .name = "bias",
@@ -507,5 +514,6 @@ const vv_operation vvi_operation_bias = {
     .inputs = inputs_taken,
     .run = run,
     .plan = plan,
+    .memory = memory,
     .carry = carry,
 };

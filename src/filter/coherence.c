@@ -58,11 +58,20 @@ static int64_t block_samples(const vv_field_info *info)
 
 /* Numbers before and behind a step, three slopes, six entries of the tensor, one of them before and behind smoothing.
  */
+static size_t each_bytes(const vv_field_info *info)
+{
+    return 2 * vvi_reals_bytes(vvi_reals_wide(info->type)) + (3 + TENSORS + 2) * sizeof(float);
+}
+
+uint64_t vvi_coherence_memory(const vv_field_info *info)
+{
+    return (uint64_t)samples_of(info) * each_bytes(info);
+}
+
 vv_status vvi_coherence_plan(const vv_field_info *info, vv_job *job)
 {
-    const size_t each = 2 * vvi_reals_bytes(vvi_reals_wide(info->type)) + (3 + TENSORS + 2) * sizeof(float);
     size_t bytes;
-    const vv_status st = vvi_mul_size(&bytes, samples_of(info), each);
+    const vv_status st = vvi_mul_size(&bytes, samples_of(info), each_bytes(info));
     return st == VV_OK ? vvi_memory_plan(job, bytes, "diffuse") : st;
 }
 

@@ -18,6 +18,8 @@ typedef struct vvi_coherence {
 double vvi_coherence_rate(const vv_grid *grid);
 /** Whether memory is there for it; else VV_E_LIMIT. */
 vv_status vvi_coherence_plan(const vv_field_info *info, vv_job *job);
+/** Bytes that it holds beside what it is given and makes. */
+uint64_t vvi_coherence_memory(const vv_field_info *info);
 /**
  * One component of all samples of a field, diffused, in a volume of the same samples at `out`.
  *

@@ -420,6 +420,11 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     return st;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    return ((const diffuse_params *)params)->method == COHERENCE ? vvi_coherence_memory(&inputs[0]) : 0;
+}
+
 const vv_operation vvi_operation_diffuse = {
     .api = VV_OPERATION_API,
     .name = "diffuse",
@@ -432,5 +437,6 @@ const vv_operation vvi_operation_diffuse = {
     .inputs = VV_ONE_VOLUME,
     .run_box = run_box,
     .plan = plan,
+    .memory = memory,
     .carry = vv_carry_values,
 };

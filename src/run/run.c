@@ -180,6 +180,9 @@ static vv_status plan_steps(vv_run *r)
         if ((st = step->operation->plan(&next, infos, s ? 1 : r->n_inputs, step->params)) != VV_OK ||
             (st = vv_field_info_bytes(&bytes, &next)) != VV_OK)
             return st;
+        const uint64_t working =
+            step->operation->memory ? step->operation->memory(infos, s ? 1 : n_at_once(r), step->params) : 0;
+        r->about.working = working > r->about.working ? working : r->about.working;
         infos[0] = next;
         r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     }

@@ -160,6 +160,12 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     return st;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    const bool values = ((const components_params *)params)->range || ((const components_params *)params)->merge;
+    return vvi_runs_memory(&inputs[0], !values);
+}
+
 const vv_operation vvi_operation_components = {
     .api = VV_OPERATION_API,
     .name = "components",
@@ -171,4 +177,5 @@ const vv_operation vvi_operation_components = {
     .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
+    .memory = memory,
 };

@@ -266,6 +266,12 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     return st;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    const int64_t *n = inputs[0].grid.dims;
+    return ((const distance_params *)params)->side == BOTH ? (uint64_t)(n[0] * n[1] * n[2]) * sizeof(float) : 0;
+}
+
 const vv_operation vvi_operation_distance = {
     .api = VV_OPERATION_API,
     .name = "distance",
@@ -279,4 +285,5 @@ const vv_operation vvi_operation_distance = {
     .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
+    .memory = memory,
 };

@@ -326,6 +326,11 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     return st;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    return vvi_runs_memory(&inputs[0], false);
+}
+
 const vv_operation vvi_operation_fill_holes = {
     .api = VV_OPERATION_API,
     .name = "fill-holes",
@@ -339,5 +344,6 @@ const vv_operation vvi_operation_fill_holes = {
     .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
+    .memory = memory,
     .carry = vv_carry_values,
 };

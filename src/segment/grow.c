@@ -290,6 +290,11 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     return st;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    return vvi_runs_memory(&inputs[0], false);
+}
+
 const vv_operation vvi_operation_grow = {
     .api = VV_OPERATION_API,
     .name = "grow",
@@ -301,4 +306,5 @@ const vv_operation vvi_operation_grow = {
     .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
+    .memory = memory,
 };

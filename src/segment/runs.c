@@ -248,6 +248,15 @@ static vv_status count_runs(vvi_runs *r, const char *name)
     return VV_OK;
 }
 
+#define PIECES 6
+
+uint64_t vvi_runs_memory(const vv_field_info *info, bool keys)
+{
+    const int64_t *n = info->grid.dims;
+    const uint64_t rows = (uint64_t)(n[1] * n[2]);
+    return rows * (uint64_t)n[0] / 4 + rows * PIECES * (keys ? 20 : 12);
+}
+
 static vv_status make_room(vvi_runs *r, bool each, const char *name, vv_job *job)
 {
     const size_t n = r->n_runs + 1;

@@ -35,6 +35,8 @@ typedef struct vvi_runs {
 /** Errors: VV_E_LIMIT with what it takes, as `name`; VV_E_MEMORY; VV_E_CANCELLED. Owns: vvi_runs_finish(). */
 vv_status vvi_runs_find(vvi_runs *out, const vvi_run_source *source, const vvi_touch *touch, const char *name,
                         vv_job *job);
+/** About how much they take of a volume, beside what is made of them: two bits a voxel, and of each row six pieces. */
+uint64_t vvi_runs_memory(const vv_field_info *info, bool keys);
 void vvi_runs_finish(vvi_runs *runs); /* zeroed is fine */
 /** Samples of each part; vvi_free(). */
 vv_status vvi_runs_sizes(uint64_t **out, const vvi_runs *runs, vv_job *job);

@@ -385,6 +385,12 @@ static vv_status carry(vv_carry *carried, const vv_object *params)
     return VV_OK;
 }
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    const int64_t *n = inputs[0].grid.dims;
+    return (uint64_t)(n[0] * n[1] * n[2]) / 8;
+}
+
 const vv_operation vvi_operation_skeleton = {
     .api = VV_OPERATION_API,
     .name = "skeleton",
@@ -397,5 +403,6 @@ const vv_operation vvi_operation_skeleton = {
     .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
+    .memory = memory,
     .carry = carry,
 };

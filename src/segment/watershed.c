@@ -451,6 +451,13 @@ static const vv_operand inputs_taken[] = {
     {0},
 };
 
+static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    const int64_t *n = inputs[0].grid.dims;
+    const uint64_t all = (uint64_t)(n[0] * n[1] * n[2]);
+    return all * (vv_type_bytes(inputs[0].type) == 8 ? 12 : 8);
+}
+
 const vv_operation vvi_operation_watershed = {
     .api = VV_OPERATION_API,
     .name = "watershed",
@@ -463,4 +470,5 @@ const vv_operation vvi_operation_watershed = {
     .inputs = inputs_taken,
     .run = run,
     .plan = plan,
+    .memory = memory,
 };

@@ -55,6 +55,21 @@ def run_measured(*words):
     return os.waitstatus_to_exitcode(status), text, message, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
 
 
+# A process counts the memory of the one that it was forked from: here of a small one.
+ALONE = """import os, subprocess, sys
+process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+_, status, usage = os.wait4(process.pid, 0)
+process.returncode = 0
+print(os.waitstatus_to_exitcode(status), usage.ru_maxrss * 1024)"""
+
+
+def run_alone(*words):
+    """Exit code, standard error, peak bytes, whatever this process holds itself."""
+    done = subprocess.run([sys.executable, "-S", "-E", "-c", ALONE, VOLVIS, *words], env=environment(), capture_output=True, text=True, check=True)
+    code, peak = map(int, done.stdout.split())
+    return code, done.stderr.strip(), peak
+
+
 def judge_refusal(code, message):
     lines = message.splitlines()
     if code not in (2, 3, 4):

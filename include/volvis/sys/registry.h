@@ -178,6 +178,9 @@ struct vv_operation {
      * one of them at a time. vv_run_new() runs it. */
     bool joins;
     const char *group; /**< where menus list it: "smoothing", "edges", ...; NULL: under its component */
+    /** About how many bytes it holds beside its inputs and its result, for --dry-run: of those that take all samples at
+     * once. Where that hangs on the samples, of parts as they are in pictures of bodies and cells. NULL: tiles. */
+    uint64_t (*memory)(const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */

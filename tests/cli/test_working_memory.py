@@ -1,0 +1,39 @@
+"""What --dry-run says that operations need which take all samples at once, against what they held."""
+import gzip
+
+from harness import Skip, main, ok, sanitized
+from test_hostile import run_alone
+
+try:
+    import numpy as np
+except ImportError:
+    np = None
+
+N = 128
+WITHIN = 1.35  # how far off it may be, either way, and what the program itself takes
+SLACK = 3 << 20
+
+
+def test_what_a_dry_run_says_is_what_is_held():
+    if np is None or sanitized():
+        raise Skip("NumPy is not there" if np is None else "sanitizers hold memory of their own")
+    z, y, x = np.meshgrid(*(np.linspace(-1, 1, N),) * 3, indexing="ij")
+    values = 100 * np.exp(-3 * (x * x + y * y + z * z)) * (1 + 0.5 * np.sin(9 * x) * np.sin(8 * y) * np.sin(7 * z))
+    for name, data in (("v", values.astype("<f4")), ("l", (values > 60).astype("u1"))):
+        kind = "float" if name == "v" else "uchar"
+        head = f"NRRD0005\ntype: {kind}\ndimension: 3\nsizes: {N} {N} {N}\nendian: little\nspace: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: gzip\n\n"
+        with open(f"{name}.nrrd", "wb") as file:
+            file.write(head.encode() + gzip.compress(data.tobytes(), 1, mtime=0))
+    least = run_alone("version")[2]
+    for words in (["components", "l.nrrd"], ["components", "v.nrrd", "--range", "60.."], ["fill-holes", "l.nrrd"], ["grow", "v.nrrd", "--seed", "64,64,64", "--range", "40.."],
+                  ["distance", "l.nrrd"], ["distance", "l.nrrd", "--side", "both"], ["watershed", "v.nrrd", "--depth", "20"], ["skeleton", "l.nrrd"],
+                  ["bias", "v.nrrd", "--iterations", "1"], ["diffuse", "v.nrrd", "--method", "coherence", "--iterations", "1"]):
+        words += ["-o", "o.nrrd", "--overwrite"]
+        planned = ok(*words, "--dry-run", "--json").json["memory_bytes"]
+        code, said, peak = run_alone(*words, "--threads", "2")
+        assert code == 0, said
+        held = peak - least
+        assert planned / WITHIN - SLACK < held < planned * WITHIN + SLACK, f"{' '.join(words)}: {planned / 2**20:.1f} MiB planned, {held / 2**20:.1f} held"
+
+
+main()
