@@ -1,5 +1,5 @@
 /** The panel of an operation, in the inspector's place: its inputs and parameters, and what the preview shows. */
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { copyText } from "../actions";
 import { Properties, sentence } from "../inspector/properties";
 import type { Operand } from "../protocol";
@@ -117,8 +117,20 @@ async function apply(of: Plan): Promise<string> {
   return id;
 }
 
+/** The focus goes to the first field, and back when the panel is closed. */
+function useFocus(name: string) {
+  const body = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const before = document.activeElement as HTMLElement | null;
+    body.current?.querySelector<HTMLElement>("input, select, textarea")?.focus();
+    return () => { if (!document.activeElement || document.activeElement === document.body) before?.focus?.(); };
+  }, [name]);
+  return body;
+}
+
 export function FilterPanel() {
   const of = plan.value!;
+  const body = useFocus(of.operation.name);
   const [error, setError] = useState("");
   const [busy, setBusy] = useState(false);
   const why = hindrance(of.operation);
@@ -139,7 +151,7 @@ export function FilterPanel() {
         <div class="inspector-title"><h2>{label(of.operation.name)}</h2><span class="inspector-kind">{label(of.operation.group)}</span></div>
         <IconButton icon="close" label="Close" onClick={() => { plan.value = null; }} />
       </header>
-      <div class="inspector-body" key={of.operation.name}>
+      <div ref={body} class="inspector-body" key={of.operation.name}>
         <p class="doc filter-panel-doc">{sentence(of.operation.doc)}</p>
         <InputRows of={of} />
         <Properties path="" className={of.operation.class} base={{ get: (name) => of.parameters[name], set: setParameter }} />
