@@ -133,7 +133,7 @@ export function FilterPanel() {
   const body = useFocus(of.operation.name);
   const [error, setError] = useState("");
   const [busy, setBusy] = useState(false);
-  const why = hindrance(of.operation);
+  const why = hindrance(of.operation, of.dataset);
   const ready = isComplete(of) && !busy && !store.readOnly.value;
   const run = () => {
     setBusy(true);
@@ -159,12 +159,12 @@ export function FilterPanel() {
       </div>
       <footer class="filter-foot">
         {error ? <p class="row-error" role="alert">{sentence(error)}</p> : null}
-        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it.</p> : null}
+        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it. The preview shows this step alone.</p> : null}
         <div class="filter-buttons">
           <button type="button" class="button" disabled={!isComplete(of)} onClick={copy}>Copy command</button>
           <span class="grow" />
           <button type="button" class="button" onClick={() => { plan.value = null; }}>Cancel</button>
-          <button type="button" class="button button-main" disabled={!ready || (why !== "" && !of.inserts)} onClick={run}>{busy ? "Applying…" : "Apply"}</button>
+          <button type="button" class="button button-main" disabled={!ready || why !== ""} onClick={run}>{busy ? "Applying…" : "Apply"}</button>
         </div>
       </footer>
     </aside>
