@@ -9,8 +9,8 @@
 
 /* WHOLE_MOST: voxels that are worked on without being asked, where parts cannot be made: 64 x 64 x 64. SAMPLES_MOST: of
  * a box of a view that is no slice. PIXELS_MOST: of a picture of such a view, which takes a ray for each. */
-enum { WHOLE_MOST = 1 << 18, SAMPLES_MOST = 1 << 21, PIXELS_MOST = 1 << 18 };
-#define PART_SECONDS 1.0
+enum { WHOLE_MOST = 1 << 18, SAMPLES_MOST = 1 << 23, PIXELS_MOST = 1 << 18 };
+#define PART_SECONDS 2.0
 
 /* Answer ----------------------------------------------------------------------------------------------------------- */
 

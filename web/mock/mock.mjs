@@ -1,5 +1,5 @@
 // A server with the page's protocol and no VolVis behind it, for working on the page and for its tests.
-//   node mock/mock.mjs BUILTDIR [--port N] [--token T] [--empty] [--read-only] [--quick] [--held]
+//   node mock/mock.mjs BUILTDIR [--port N] [--token T] [--empty] [--made] [--read-only] [--quick] [--held]
 // VOLVIS_TABLES names what 'volvis schema --tables' has written; the build writes it into build/tests/web.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -10,7 +10,7 @@ import { WebSocketServer } from "ws";
 import { measured } from "./measured.mjs";
 import { picture } from "./picture.mjs";
 import { torusFile, torusShape } from "./shape.mjs";
-import { emptyWorld, torusWorld, World } from "./world.mjs";
+import { emptyWorld, madeWorld, torusWorld, World } from "./world.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const tables = readTables(process.env.VOLVIS_TABLES ?? join(here, "../../build/tests/web/tables.json"));
@@ -42,7 +42,7 @@ export async function serve(built, words = []) {
   let isDown = false;
   let isEnded = false;
 
-  let world = new World(words.includes("--empty") ? emptyWorld() : torusWorld());
+  let world = new World(words.includes("--empty") ? emptyWorld() : words.includes("--made") ? madeWorld() : torusWorld());
   const clients = new Set();
   const camera = { azimuth: 30, elevation: 20, distance: 9, parallel: false };
 

@@ -66,6 +66,18 @@ export class World {
 
 export const emptyWorld = () => ({ schema: 1, views: { main: {} } });
 
+/** The same through a chain of three steps, the second of which is off. */
+export const madeWorld = () => {
+  const made = (operation, volume, more = {}) => ({ operation, inputs: { volume }, ...more });
+  const world = torusWorld();
+  Object.assign(world.datasets, {
+    smooth: made("gaussian", "ring", { parameters: { sigma: "1mm" } }), clean: made("median", "smooth", { on: false }),
+    body: made("threshold", "clean", { parameters: { range: "80.." } }),
+  });
+  world.volumes.ring.data = "body";
+  return world;
+};
+
 export const torusWorld = () => ({
   schema: 1, title: "A ring in fog", unit: "mm",
   datasets: { ring: { path: "samples/ring.nrrd" } },

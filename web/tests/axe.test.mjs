@@ -28,7 +28,7 @@ async function check(options, go, viewport = { width: 1280, height: 720 }) {
 describe("in both themes no rule is broken by", TOGETHER, () => {
   test("the start page", () => check(["--empty"], async () => {}));
   test("a lost connection", () => check([], async (page, mock) => { mock.down(); await page.waitForSelector(".banner"); }));
-  for (const state of states) test(state.name, () => check([], state.go));
+  for (const state of states) test(state.name, () => check(state.options ?? [], state.go));
   test("a narrow page with its inspector open", () => check([], async (page) => {
     await page.getByRole("button", { name: "Show or hide the inspector" }).click();
     await page.locator(".inspector").waitFor();

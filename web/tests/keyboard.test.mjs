@@ -55,7 +55,7 @@ describe("by keys alone", TOGETHER, () => {
     await tabTo(page, /^input Sigma$/);
     await page.keyboard.press("Control+a");
     await page.keyboard.type("3mm");
-    await tabTo(page, /^button Run$/);
+    await tabTo(page, /^button Apply$/);
     await page.keyboard.press("Enter");
     await page.locator(".tree-name", { hasText: "gaussian" }).waitFor();
     await changed(page, cut, 45, "it was not smoothed");

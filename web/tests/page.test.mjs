@@ -273,6 +273,19 @@ describe("the page", TOGETHER, () => {
     await page.getByText("gaussian was cancelled.").first().waitFor();
   }));
 
+  test("a step is put between two others after a preview of it, in one commit", () => withPage(["--made"], async (page) => {
+    await page.locator(".tree-name", { hasText: "smooth" }).click();
+    await page.getByRole("button", { name: "Insert after" }).click();
+    await page.getByRole("button", { name: /^Unsharp/ }).click();
+    await page.locator("[data-preview] img").waitFor();
+    await page.getByRole("button", { name: "Apply", exact: true }).click();
+    await page.locator(".step-title", { hasText: "Unsharp" }).waitFor();
+    assert.deepEqual(editsOf(page).map((m) => m.edits), [[
+      { op: "add", path: "datasets", id: "unsharp", value: { operation: "unsharp", inputs: { volume: "smooth" } } },
+      { op: "set", path: "datasets.clean.inputs.volume", value: "unsharp" },
+    ]]);
+  }));
+
   test("a file that is dropped is sent, then opened", () => withPage(["--empty"], async (page) => {
     const data = await page.evaluateHandle(() => {
       const transfer = new DataTransfer();

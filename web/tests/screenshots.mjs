@@ -26,7 +26,7 @@ async function shoot(name, theme, [width, height], options, go) {
 const all = [
   { name: "start", options: ["--empty"], go: async () => {} },
   { name: "lost", options: [], go: async (page, mock) => { await waitForPicture(page); mock.stop(); await page.waitForSelector(".banner"); } },
-  ...states.map((state) => ({ ...state, options: [], go: async (page) => { await waitForPicture(page); await state.go(page); } })),
+  ...states.map((state) => ({ ...state, options: state.options ?? [], go: async (page) => { await waitForPicture(page); await state.go(page); } })),
 ].filter((state) => !wanted.length || wanted.includes(state.name));
 
 for (const state of all)

@@ -152,7 +152,7 @@ static void every_local_row_makes_of_a_box_what_it_makes_of_the_whole(void **sta
     int n_rows = 0, n_local = 0;
     (void)state;
     for (const vv_operation *const *o = registry->operations; *o; o++) {
-        if (!(*o)->run_box)
+        if (!(*o)->run_box || (*o)->joins)
             continue;
         n_rows++;
         n_local += compare_row(*o, job);

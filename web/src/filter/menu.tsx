@@ -17,7 +17,7 @@ function shortDoc(doc: string): string {
 }
 
 function Entry({ operation, after }: { operation: Operation; after?: string }) {
-  const why = hindrance(operation);
+  const why = hindrance(operation, after);
   const choose = () => {
     if (why) return;
     closeDialog();

@@ -1,5 +1,5 @@
 /** The panel of an operation, in the inspector's place: its inputs and parameters, and what the preview shows. */
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { copyText } from "../actions";
 import { Properties, sentence } from "../inspector/properties";
 import type { Operand } from "../protocol";
@@ -117,11 +117,23 @@ async function apply(of: Plan): Promise<string> {
   return id;
 }
 
+/** The focus goes to the first field, and back when the panel is closed. */
+function useFocus(name: string) {
+  const body = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const before = document.activeElement as HTMLElement | null;
+    body.current?.querySelector<HTMLElement>("input, select, textarea")?.focus();
+    return () => { if (!document.activeElement || document.activeElement === document.body) before?.focus?.(); };
+  }, [name]);
+  return body;
+}
+
 export function FilterPanel() {
   const of = plan.value!;
+  const body = useFocus(of.operation.name);
   const [error, setError] = useState("");
   const [busy, setBusy] = useState(false);
-  const why = hindrance(of.operation);
+  const why = hindrance(of.operation, of.dataset);
   const ready = isComplete(of) && !busy && !store.readOnly.value;
   const run = () => {
     setBusy(true);
@@ -139,7 +151,7 @@ export function FilterPanel() {
         <div class="inspector-title"><h2>{label(of.operation.name)}</h2><span class="inspector-kind">{label(of.operation.group)}</span></div>
         <IconButton icon="close" label="Close" onClick={() => { plan.value = null; }} />
       </header>
-      <div class="inspector-body" key={of.operation.name}>
+      <div ref={body} class="inspector-body" key={of.operation.name}>
         <p class="doc filter-panel-doc">{sentence(of.operation.doc)}</p>
         <InputRows of={of} />
         <Properties path="" className={of.operation.class} base={{ get: (name) => of.parameters[name], set: setParameter }} />
@@ -147,12 +159,12 @@ export function FilterPanel() {
       </div>
       <footer class="filter-foot">
         {error ? <p class="row-error" role="alert">{sentence(error)}</p> : null}
-        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it.</p> : null}
+        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it. The preview shows this step alone.</p> : null}
         <div class="filter-buttons">
           <button type="button" class="button" disabled={!isComplete(of)} onClick={copy}>Copy command</button>
           <span class="grow" />
           <button type="button" class="button" onClick={() => { plan.value = null; }}>Cancel</button>
-          <button type="button" class="button button-main" disabled={!ready || (why !== "" && !of.inserts)} onClick={run}>{busy ? "Applying…" : "Apply"}</button>
+          <button type="button" class="button button-main" disabled={!ready || why !== ""} onClick={run}>{busy ? "Applying…" : "Apply"}</button>
         </div>
       </footer>
     </aside>

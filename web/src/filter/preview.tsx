@@ -29,7 +29,7 @@ function usePreview(viewport: string, ask: Ask, of: Plan | null, at: string, sti
       setShown(typeof value !== "string" && value.picture ? { preview: value, at } : null);
     };
     waiting.value++;
-    void ask({ type: "preview", ...request(of), whole: of.whole }).then(take, (error: Error) => take(error.message)).finally(() => { waiting.value--; });
+    void ask({ type: "preview", ...request(of), whole: of.whole, ...(of.inserts && store.currentVolume.value ? { volume: store.currentVolume.value } : {}) }).then(take, (error: Error) => take(error.message)).finally(() => { waiting.value--; });
     return () => { isNewest = false; };
   }, [of, at, still]);
   useEffect(() => () => keep(viewport, null), []);

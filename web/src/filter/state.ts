@@ -111,11 +111,11 @@ export function isComplete(of: Plan): boolean {
   return of.operation.inputs.every((operand, i) => i === 0 || operand.named || operand.least === 0 || !!of.inputs[operand.name]);
 }
 
-/** Why an operation cannot be done to what is selected; "": it can. */
-export function hindrance(operation: Operation): string {
+/** Why an operation cannot be done to a dataset, or (undefined) to what is shown; "": it can. */
+export function hindrance(operation: Operation, dataset?: string): string {
   if (store.readOnly.value) return "this session is read-only";
   const first = operation.inputs[0];
-  const shown = store.currentVolume.value ? store.datasetOf(store.currentVolume.value) : null;
+  const shown = dataset ?? (store.currentVolume.value ? store.datasetOf(store.currentVolume.value) : null);
   if (!first || !shown) return "nothing is open";
   const mesh = store.isMeshData(shown);
   return (mesh ? first.mesh : first.volume) ? "" : `works on a ${first.mesh ? "mesh" : "volume"}; ${shown} is a ${mesh ? "mesh" : "volume"}`;

@@ -28,6 +28,9 @@ function Head({ path, className }: { path: string; className: string }) {
   );
 }
 
+/** What a dataset that is made has not, or has in its pipeline. */
+const OF_FILES = ["on", "parameters", "operation", "kind", "path", "format", "part", "raw", "checksum", "source"];
+
 /** The dataset whose making is told: that which is selected, or which the selected volume shows. */
 function madeAt(path: string): string | null {
   const [map, id] = path.split(".");
@@ -48,7 +51,7 @@ export function Inspector() {
           <div class="inspector-body" key={path}>
             {made ? <Pipeline key={made} dataset={made} /> : null}
             {className === "volume" && !store.isMesh(path.split(".")[1]!) ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
-            <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : made ? ["on", "parameters"] : []} />
+            <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : made ? OF_FILES : []} />
           </div>
         </>
       ) : (

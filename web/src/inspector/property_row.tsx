@@ -132,14 +132,15 @@ function stepOf(row: Property, value: number): number {
 function NumberControl(c: RowContext) {
   const lengths = voxelScale(c.row, c.path, c.isParameter);
   const scale = sliderScale(c.row) ?? cutPlaneScale(c.path) ?? valueScale(c.row) ?? lengths;
-  const value = typeof c.value === "number" ? c.value : null;
+  const typed = typeof c.set === "string" && c.unit !== "" && c.set.endsWith(c.unit) ? parseFloat(c.set) : NaN; // "3mm"
+  const value = typeof c.value === "number" ? c.value : Number.isFinite(typed) ? typed : null;
   const labelled = c.row.quantity === "label";
   const shown = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
   // text: a label of many digits, or a length with its unit in what data are made with
   const own = typeof c.set === "string" ? c.set : labelled && shown !== null ? String(shown) : shown;
   const field = (
     <NumberField
-      id={c.id} value={own} placeholder={scale && value !== null ? formatNumber(value) : c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
+      id={c.id} value={own} placeholder={scale && value !== null ? formatNumber(value) : c.placeholder} unit={typeof own === "number" || labelled ? c.unit : ""} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
       invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(labelled ? parseLabel(text) : parseEntry(text))}
     />
   );
