@@ -27,6 +27,8 @@ void vvi_sink_free(vv_sink *s)
         close(s->fd);
     if (s->temporary)
         unlink(s->temporary);
+    if (s->lock >= 0)
+        close(s->lock);
     if (s->held >= 0)
         close(s->held);
     vvi_sink_folder_free(s->folder);

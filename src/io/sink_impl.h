@@ -13,6 +13,7 @@
 struct vv_sink {
     int fd;
     int held;    /* the folder of the target; -1: it is found by its path */
+    int lock;    /* on the file that has a temporary name, until it has its own; -1: none */
     int library; /* what vvi_sink_file() gave out; -1: nothing */
     char *name;  /* as the caller gave it: stands in errors */
     char *path;  /* where it is going to be; links resolved. NULL: a stream that is written straight away */

@@ -36,10 +36,9 @@ static long process_of(const char *name, size_t *n_out)
     return strtol(name + at, NULL, 10);
 }
 
-static bool is_left(const struct stat *info, long process, time_t now)
+static bool is_left(const struct stat *info, long process)
 {
-    return info->st_uid == geteuid() && info->st_mtime < now - OLD_SECONDS && kill((pid_t)process, 0) != 0 &&
-           errno == ESRCH;
+    return info->st_uid == geteuid() && kill((pid_t)process, 0) != 0 && errno == ESRCH;
 }
 
 /* What says that it is ours; and those of this target, as older versions named them. */
@@ -51,14 +50,19 @@ static bool is_our_folder(const char *name, size_t n, const char *target)
     return strlen(target) == n && strncmp(name, target, n) == 0;
 }
 
-/* A program on another machine, or in another container, writes it still. */
-static bool is_locked(int folder, const char *name)
+typedef enum state { FREE, LOCKED, UNKNOWN } state;
+
+/* Locked: a program on another machine, or in another container, writes it still. Not every file system can say so. */
+static state lock_of(int folder, const char *name, int flags)
 {
-    const int fd = openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    const bool locked = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const int fd = openat(folder, name, flags | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    const state found = fd < 0                              ? UNKNOWN
+                        : flock(fd, LOCK_EX | LOCK_NB) == 0 ? FREE
+                        : errno == EWOULDBLOCK              ? LOCKED
+                                                            : UNKNOWN;
     if (fd >= 0)
         close(fd);
-    return locked;
+    return found;
 }
 
 /* Hidden files, and folders of ours. */
@@ -67,11 +71,15 @@ static void clear_one(int folder, const char *name, const char *target, const ch
     struct stat info;
     size_t n;
     const long process = process_of(name, &n);
-    if (process <= 0 || fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !is_left(&info, process, now))
+    if (process <= 0 || fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !is_left(&info, process))
         return;
+    const bool old = info.st_mtime < now - OLD_SECONDS;
     if (name[0] == '.' && S_ISREG(info.st_mode)) {
-        unlinkat(folder, name, 0);
-    } else if (S_ISDIR(info.st_mode) && is_our_folder(name, n, target) && !is_locked(folder, name)) {
+        const state lock = lock_of(folder, name, O_RDWR);
+        if (lock == FREE || (lock == UNKNOWN && old))
+            unlinkat(folder, name, 0);
+    } else if (S_ISDIR(info.st_mode) && old && is_our_folder(name, n, target) &&
+               lock_of(folder, name, O_RDONLY | O_DIRECTORY) != LOCKED) {
         const char *slash = strrchr(path, '/');
         char *whole = vvi_asprintf("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
         if (whole)

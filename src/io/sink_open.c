@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,7 +19,7 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     vv_sink *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    s->fd = s->library = s->held = -1;
+    s->fd = s->library = s->held = s->lock = -1;
     s->job = job;
     s->name = vvi_strdup(name);
     s->plain = vvi_alloc(job, VVI_SINK_ROOM, VVI_MEM_SCRATCH);
@@ -31,11 +32,23 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     return VV_OK;
 }
 
-static int make_name(const vv_sink *s, const char *name, mode_t mode)
+/* Locked for as long as it has the name: what nobody has locked was left (sink_leftovers.c). */
+static void lock_temporary(vv_sink *s, int fd)
+{
+    if (s->lock < 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+        s->lock = fcntl(fd, F_DUPFD_CLOEXEC, 3);
+}
+
+static int make_name(vv_sink *s, const char *name, mode_t mode)
 {
     char own[32];
-    if (s->fd < 0)
-        return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+    if (s->fd < 0) {
+        const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+        if (fd >= 0)
+            lock_temporary(s, fd);
+        return fd;
+    }
+    lock_temporary(s, s->fd);
     snprintf(own, sizeof own, "/proc/self/fd/%d", s->fd);
     return linkat(AT_FDCWD, own, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? s->fd : -1;
 }

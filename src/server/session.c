@@ -1,6 +1,7 @@
 #include "core/allowed_places.h"
 #include "core/memory.h"
 #include "input/bindings.h"
+#include "io/sink_folder.h"
 #include "server/request.h"
 
 #include <errno.h>
@@ -78,6 +79,15 @@ static vv_status confine(const vvi_session *s)
     return st;
 }
 
+/* What a server that was killed was writing there. */
+static void clear_leftovers(const vvi_session *s)
+{
+    char *path = strcmp(s->root, "/") != 0 ? vvi_asprintf("%s/", s->root) : NULL;
+    if (path)
+        vvi_sink_clear_leftovers(path, NULL);
+    free(path);
+}
+
 static vv_status play(void *user, const json_t *line)
 {
     return vvi_session_replay(user, line);
@@ -95,6 +105,8 @@ static vv_status restore(vvi_session *s)
     s->journal = journal;
     s->lost = journal ? vvi_journal_lost(journal) : 0;
     vvi_session_begin_room(s);
+    if (!s->options.read_only)
+        clear_leftovers(s);
     return st == VV_OK && s->restored ? confine(s) : st;
 }
 

@@ -365,14 +365,17 @@ static void what_killed_programs_left_is_cleared_by_the_next(void **state)
     if (dead == 0)
         _exit(0);
     waitpid(dead, NULL, 0);
-    const char *gone[] = {leftover(state, ".a.nrrd", dead, "-0.part", 2), leftover(state, ".b", dead, "-12.part", 30)};
-    const char *kept[] = {leftover(state, ".a.nrrd", dead, "-1.part", 0), /* young */
+    const char *gone[] = {leftover(state, ".a.nrrd", dead, "-0.part", 0), leftover(state, ".b", dead, "-12.part", 30)};
+    const char *kept[] = {leftover(state, ".a.nrrd", dead, "-1.part", 2), /* locked: of one on another machine */
                           leftover(state, ".c", getpid(), "-0.part", 2),  /* of one that lives */
                           leftover(state, "d", dead, "-0.part", 2),       /* somebody's own */
                           leftover(state, ".e", dead, "-0.party", 2), leftover(state, ".f", dead, "-.part", 2)};
     const char *path = io_path(state, "out");
+    const int locked = open(kept[0], O_RDWR);
+    assert_int_equal(flock(locked, LOCK_EX | LOCK_NB), 0);
     io_ok(vvi_sink_open(&sink, path, NULL));
     io_ok(vvi_sink_commit(sink));
+    close(locked);
     for (size_t i = 0; i < 2; i++)
         assert_int_equal(access(gone[i], F_OK), -1);
     for (size_t i = 0; i < 5; i++)
