@@ -105,9 +105,10 @@ static bool uses(const vv_measurement *m, const char *property)
 {
     const size_t n_points = m->points ? m->points->n / 3 : 0;
     const vv_measure_form *form = vv_measure_form_of(vv_measure_kind_of(m), VV_MEASURED_VOLUME, 0, n_points);
+    const char *all = form ? form->uses : "";
     const size_t n = strlen(property);
-    for (const char *at = form ? form->uses : ""; (at = strstr(at, property)) != NULL; at += n)
-        if ((at == form->uses || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
+    for (const char *at = all; (at = strstr(at, property)) != NULL; at += n)
+        if ((at == all || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
             return true;
     return false;
 }

@@ -229,7 +229,8 @@ static void place_label(vvi_sheet_axis_label *out, vvi_sheet *s, double x, doubl
     const double wide = vvi_sheet_length(s, out->text, s->em) / 2, high = 0.5 * s->em, away = AWAY * s->em;
     const double way[4][2] = {{0, -1}, {0, 1}, {1, 0}, {-1, 0}};
     for (int i = 0; i < 4 * RINGS && !out->there; i++) {
-        const double farther = away + i / 4 * 1.6 * s->em;
+        const int ring = i / 4;
+        const double farther = away + 1.6 * s->em * ring;
         out->x = x + way[i % 4][0] * (farther + wide);
         out->y = y + way[i % 4][1] * (farther + high);
         out->box = (vvi_box){out->x - wide, out->y - high, out->x + wide, out->y + high};
