@@ -18,8 +18,9 @@ typedef enum vv_object_kind {
 } vv_object_kind;
 
 typedef enum vv_measure_method {
-    VV_MEASURE_COUNT, /**< voxel counting */
-    VV_MEASURE_CUBES  /**< Marching Cubes */
+    VV_MEASURE_AUTO,  /**< ranges of values by Marching Cubes, labels and masks by counting */
+    VV_MEASURE_CUBES, /**< Marching Cubes */
+    VV_MEASURE_COUNT  /**< voxel counting */
 } vv_measure_method;
 
 /** What is measured and how. Fill with vv_measure_options_init(), then change what you need. */

@@ -291,11 +291,6 @@ typedef enum vv_measurement_kind {
     VV_MEASUREMENT_POINT
 } vv_measurement_kind;
 
-typedef enum vv_measurement_method {
-    VV_MEASURE_BY_CHOICE,
-    VV_MEASURE_BY_CUBES,
-    VV_MEASURE_BY_COUNT
-} vv_measurement_method;
 typedef enum vv_measurement_space { VV_MEASURE_IN_INDEX, VV_MEASURE_IN_WORLD } vv_measurement_space;
 
 /** One number that a measurement gave. */
@@ -322,7 +317,7 @@ typedef struct vv_measurement {
     char *box; /**< "10:60,:,5:20" */
     vv_collection *cut_planes;
     int64_t component;
-    int method;
+    int method; /**< vv_measure_method */
     bool closed;
     int64_t bins, samples;
     vv_numbers *range; /**< one row (lo, hi) */

@@ -218,20 +218,19 @@ static vv_status choose_object(vvi_measuring *m)
 
 static void choose_method(vvi_measuring *m)
 {
-    const bool steps = m->choice.object != VV_OBJECT_RANGE;
-    m->choice.method = m->asked->method == VV_MEASURE_BY_COUNT || (m->asked->method == VV_MEASURE_BY_CHOICE && steps)
-                           ? VV_MEASURE_COUNT
-                           : VV_MEASURE_CUBES;
+    m->choice.method = (vv_measure_method)m->asked->method;
+    if (m->choice.method == VV_MEASURE_AUTO)
+        m->choice.method = m->choice.object == VV_OBJECT_RANGE ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
 }
 
 void vvi_measuring_label_method(vvi_measuring *m)
 {
-    m->choice.method = m->asked->method == VV_MEASURE_BY_CUBES ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
+    m->choice.method = m->asked->method == VV_MEASURE_CUBES ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
 }
 
 bool vvi_measuring_count_steps(vvi_measuring *m)
 {
-    if (m->asked->method != VV_MEASURE_BY_CHOICE)
+    if (m->asked->method != VV_MEASURE_AUTO)
         return false;
     m->choice.method = VV_MEASURE_COUNT;
     return true;

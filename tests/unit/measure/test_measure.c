@@ -323,7 +323,7 @@ static void the_piece_around_a_seed_is_measured_as_if_it_were_alone(void **state
 {
     (void)state;
     vv_field *both = cube_of(two_spheres, 17, VV_TYPE_F32), *alone = cube_of(right_sphere, 17, VV_TYPE_F32);
-    for (int method = 0; method < 2; method++) {
+    for (int method = VV_MEASURE_CUBES; method <= VV_MEASURE_COUNT; method++) {
         vv_measure_options o = chosen((vv_measure_method)method, 0);
         const vv_measured want = measured(alone, &o);
         o.seeded = true;
@@ -563,7 +563,7 @@ static void nothing_and_everything_are_measured_too(void **state)
     (void)state;
     radius = 3;
     vv_field *f = cube_of(sphere, 4, VV_TYPE_F32);
-    for (int method = 0; method < 2; method++) {
+    for (int method = VV_MEASURE_CUBES; method <= VV_MEASURE_COUNT; method++) {
         vv_measure_options o = chosen((vv_measure_method)method, 1000);
         const vv_measured none = measured(f, &o);
         assert_true(none.area == 0 && none.volume == 0 && isnan(none.centroid.x));
@@ -580,7 +580,7 @@ static void thread_count_changes_nothing(void **state)
 {
     (void)state;
     vv_field *f = cube_of(torus, 20, VV_TYPE_F32);
-    for (int method = 0; method < 2; method++) {
+    for (int method = VV_MEASURE_CUBES; method <= VV_MEASURE_COUNT; method++) {
         const vv_measure_options o = chosen((vv_measure_method)method, 0);
         const vv_measured alone = measured(f, &o);
         for (int threads = 1; threads <= 3; threads++) {
@@ -592,6 +592,27 @@ static void thread_count_changes_nothing(void **state)
             vv_job_release(job);
         }
     }
+    vv_field_release(f);
+}
+
+static void a_method_that_is_left_open_suits_what_is_measured(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    info.grid.dims[0] = 7, info.grid.dims[1] = 5, info.grid.dims[2] = 11;
+    info.type = VV_TYPE_U8;
+    vv_field *f = test_field_random(&info, 3, NULL);
+    (void)state;
+    double volume = 0;
+    for (int label = -1; label < 256; label++) {
+        const vv_measure_method same = label < 0 ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
+        vv_measure_options left = chosen(VV_MEASURE_AUTO, 100), said = chosen(same, 100);
+        left.object = said.object = label < 0 ? VV_OBJECT_RANGE : VV_OBJECT_LABEL;
+        left.label = said.label = (vv_label_id)label;
+        const vv_measured a = measured(f, &left), b = measured(f, &said);
+        assert_true(a.volume == b.volume && a.area == b.area && (label >= 0 || a.volume > 0));
+        volume += label >= 0 ? a.volume : 0;
+    }
+    assert_within(volume, 7 * 5 * 11, 1e-9);
     vv_field_release(f);
 }
 
@@ -856,6 +877,7 @@ int main(void)
         cmocka_unit_test(bins_of_whole_numbers_hold_equally_many),
         cmocka_unit_test(counted_volumes_are_within_their_error),
         cmocka_unit_test(a_negative_scale_turns_values_round),
+        cmocka_unit_test(a_method_that_is_left_open_suits_what_is_measured),
         cmocka_unit_test(values_and_labels_survive_failing_allocations),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
