@@ -55,6 +55,8 @@ static void tell_property(vvi_result *out, const vv_property *row)
         vvi_result_string(out, "quantity", quantities[row->quantity]);
     if (row->unit)
         vvi_result_string(out, "unit", row->unit);
+    if (row->when)
+        vvi_result_string(out, "when", row->when);
     if (row->limited) {
         vvi_result_number(out, "min", row->min);
         vvi_result_number(out, "max", row->max);

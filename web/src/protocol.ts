@@ -15,6 +15,8 @@ export interface Property {
   automatic?: string | null;
   quantity?: "length" | "angle" | "time" | "bytes" | "ratio" | "label" | null;
   unit?: string | null;
+  /** "mode=composite|mean": acts while that property beside it has one of these values; "pieces|least": while one is set. */
+  when?: string | null;
   min?: number | null;
   max?: number | null;
   default?: Json;

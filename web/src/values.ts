@@ -8,6 +8,15 @@ export function isObject(value: Json | undefined): value is JsonObject {
 }
 
 /** The value at "volumes.head.place"; undefined where there is none. "" is the root. */
+/** Whether a property acts beside others (Property.when), of which `of` has the values; what is worked out may be anything. */
+export function acts(when: string | null | undefined, of: (name: string) => Json | undefined): boolean {
+  const [name, values] = (when ?? "").split("=");
+  if (!name) return true;
+  if (values === undefined) return name.split("|").some((one) => of(one) !== undefined);
+  const value = of(name);
+  return value === undefined || values.split("|").includes(String(value));
+}
+
 export function valueAt(root: Json | undefined, path: string): Json | undefined {
   let value: Json | undefined = root;
   if (path === "") return value;

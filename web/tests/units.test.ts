@@ -15,7 +15,7 @@ import { findBest } from "../src/search";
 import { toBeOpened, whyNot } from "../src/uploads_order";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode, isMap, moveEnd, thin } from "../src/transfer/curve";
-import { classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, parseLabel, parseRow, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
+import { acts, classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, parseLabel, parseRow, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
 function frameBytes(): ArrayBuffer {
@@ -445,4 +445,14 @@ test("the link is shown once, the cookie afterwards, and the link again where th
   } finally {
     for (const [name, descriptor] of before) descriptor ? Object.defineProperty(globalThis, name, descriptor) : Reflect.deleteProperty(globalThis, name);
   }
+});
+
+test("a property acts while another has one of some values, or while one of others is set", () => {
+  const of = (values: Record<string, string | number>) => (name: string) => values[name];
+  assert.equal(acts("method=otsu|hysteresis", of({ method: "otsu" })), true);
+  assert.equal(acts("method=otsu|hysteresis", of({ method: "range" })), false);
+  assert.equal(acts("data=labels", of({})), true); // what the data are is not known here
+  assert.equal(acts("pieces|least", of({})), false);
+  assert.equal(acts("pieces|least", of({ least: 3 })), true);
+  assert.equal(acts(null, of({})), true);
 });

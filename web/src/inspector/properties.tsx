@@ -6,7 +6,7 @@ import type { Property } from "../protocol";
 import { tryEdit } from "../session";
 import * as store from "../store";
 import { Fold, IconButton } from "../ui/controls";
-import { isObject, join, label, valueAt } from "../values";
+import { acts, isObject, join, label, valueAt } from "../values";
 import { PropertyRow } from "./property_row";
 
 /** Which groups are open, by class path without ids, so that it is the same for the next volume. */
@@ -109,7 +109,10 @@ export function Properties({ path, className, skip = [], base }: {
   /** Where values are kept, if not in the World: parameters of an operation that has not run. */
   base?: ParameterStore;
 }) {
-  const rows = (store.classes.value[className]?.properties ?? []).filter((row) => !skip.includes(row.name) && row.kind !== "map" && row.name !== "schema");
+  const all = store.classes.value[className]?.properties ?? [];
+  const setAt = (name: string) => (base ? base.get(join(path, name)) : valueAt(store.world.value, join(path, name)));
+  const valueOf = (name: string) => setAt(name) ?? (base ? undefined : valueAt(store.resolved.value, join(path, name))) ?? all.find((row) => row.name === name)?.default ?? undefined;
+  const rows = all.filter((row) => !skip.includes(row.name) && row.kind !== "map" && row.name !== "schema" && (setAt(row.name) !== undefined || acts(row.when, row.when?.includes("=") ? valueOf : setAt)));
   const plain = rows.filter((row) => !isGroup(row));
   const groups = rows.filter(isGroup);
   return (
