@@ -99,6 +99,9 @@ static vv_status place_source(step *s, const vv_operation *operation)
     bool formula = row->name != NULL;
     for (size_t i = 0; i < s->args.n_given; i++)
         formula = formula && s->args.given[i].row != row;
+    if (formula && s->args.n_words == 0)
+        return vv_fail(VV_E_ARGUMENT, "its %s is missing; write it in quotation marks behind '%s'", row->name,
+                       operation->name);
     const size_t at = formula && s->args.n_words > 0 ? 1 : 0;
     const char **words = calloc(s->args.n_words + 2, sizeof *words);
     if (!words)
@@ -137,8 +140,9 @@ static vv_status parse(step *s)
         return st;
     if (s->args.n_words <= vv_operation_most(operation) && s->args.n_words <= INPUTS_MOST)
         return VV_OK;
-    return vv_fail(VV_E_ARGUMENT, "takes %zu inputs at most, there are %zu", vv_operation_most(operation),
-                   s->args.n_words);
+    const size_t most = vv_operation_most(operation) < INPUTS_MOST ? vv_operation_most(operation) : INPUTS_MOST;
+    return vv_fail(VV_E_ARGUMENT, "takes %zu input%s at most, there are %zu; operations have a bar between them", most,
+                   most == 1 ? "" : "s", s->args.n_words);
 }
 
 /* Inputs ----------------------------------------------------------------------------------------------------------- */
@@ -172,13 +176,15 @@ static vv_status add_file(step *s, char id_out[ID_ROOM], const cli_input_name *n
     char id[ID_ROOM], path[ID_ROOM + 32];
     vv_object *root = &(*s->world)->base;
     const char *there = dataset_of_file(*s->world, name);
+    if (name->frame >= 0)
+        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
+                          "@%lld: in a chain a time step of a further input cannot be chosen; 'volvis convert' makes a "
+                          "file of it",
+                          (long long)name->frame);
     if (there) {
         snprintf(id_out, ID_ROOM, "%s", there);
         return VV_OK;
     }
-    if (name->frame >= 0)
-        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL, "@%lld: a time step of a further input cannot be chosen",
-                          (long long)name->frame);
     if (access(name->path, F_OK) != 0)
         return vv_fail_at(VV_E_READ, name->path, NULL, "there is no such file, nor a dataset of that name");
     vvi_world_id(id, name->path);
@@ -287,15 +293,36 @@ static void name_input(char out[ID_ROOM], const char *names, size_t i)
         snprintf(out, ID_ROOM, "%c", (char)('a' + i));
 }
 
-static void add_inputs(vvi_text *json, const step *s, const char *names)
+static void input_name(char out[ID_ROOM], const step *s, const char *names, size_t i)
 {
     const vv_operation *operation = s->verb.operation;
+    if (operation->inputs[0].names)
+        name_input(out, names, i);
+    else
+        snprintf(out, ID_ROOM, "%s", vv_operation_operand(operation, i)->name);
+}
+
+/* What is piped in has no name, and gets one of the alphabet. */
+static vv_status check_names(const step *s, const char *names)
+{
+    char name[ID_ROOM], other[ID_ROOM];
+    for (size_t i = 1; s->verb.operation->inputs[0].names && i < s->args.n_words; i++) {
+        input_name(name, s, names, i);
+        for (size_t k = 0; k < i; k++) {
+            input_name(other, s, names, k);
+            if (strcmp(name, other) == 0)
+                return vv_fail(VV_E_ARGUMENT, "two inputs are called '%s'%s", name,
+                               k == 0 ? ": what is piped in is 'a', so give the others other names" : "");
+        }
+    }
+    return VV_OK;
+}
+
+static void add_inputs(vvi_text *json, const step *s, const char *names)
+{
     for (size_t i = 0; i < s->args.n_words; i++) {
         char name[ID_ROOM];
-        if (operation->inputs[0].names)
-            name_input(name, names, i);
-        else
-            snprintf(name, sizeof name, "%s", vv_operation_operand(operation, i)->name);
+        input_name(name, s, names, i);
         vvi_text_add(json, i ? ", " : "");
         vvi_text_json(json, name);
         vvi_text_printf(json, ": \"%s\"", s->inputs[i]);
@@ -315,7 +342,7 @@ static vv_status print_recipe(vvi_text *json, const step *s, vv_object **params)
         own_names = vvi_strdup(names);
         st = own_names ? vv_path_unset(params, row, NULL) : vv_fail_memory(strlen(names));
     }
-    if (st == VV_OK)
+    if (st == VV_OK && (st = check_names(s, own_names)) == VV_OK)
         st = vv_object_to_json(&text, *params, 0);
     vvi_text_printf(json, "{\"operation\": \"%s\", \"inputs\": {", operation->name);
     add_inputs(json, s, own_names);

@@ -42,6 +42,16 @@ static bool is_chain(const cli_command *command, const char *word)
     return (strchr(word, '|') || strstr(word, " -")) && access(word, F_OK) != 0;
 }
 
+/* A word that is no file may be an operation that is misspelt. */
+static vv_status fail_chain(const piping *p)
+{
+    for (size_t i = 0; i < p->n; i++)
+        if (p->n > 1 && !strpbrk(p->input[i], "./@:") && access(p->input[i], F_OK) != 0)
+            return vv_registry_operation(p->command->registry, p->input[i]) ? VV_E_ARGUMENT : vv_error_last()->status;
+    return vv_fail(VV_E_ARGUMENT, "no word is a chain of operations; quote it, as in 'gaussian --sigma 1mm | "
+                                  "threshold --range 80..', and 'volvis operations' lists what there is");
+}
+
 static vv_status take_words(piping *p)
 {
     for (size_t i = 0; i < p->command->args.n_words; i++) {
@@ -52,8 +62,7 @@ static vv_status take_words(piping *p)
             p->input[p->n++] = word;
     }
     if (!p->chain)
-        return vv_fail(VV_E_ARGUMENT, "no word is a chain of operations; quote it, as in 'gaussian --sigma 1mm | "
-                                      "threshold --range 80..', and 'volvis operations' lists what there is");
+        return fail_chain(p);
     return p->n > 0 ? VV_OK : vv_fail(VV_E_ARGUMENT, "an input is missing: the file that the first operation works on");
 }
 

@@ -240,11 +240,15 @@ def test_what_is_wrong_in_a_chain_is_said_with_its_step():
                          ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("gaussian |", ("step 2", "operation is missing")),
                          ("gaussian 'x", ("quotation mark",)), ("gaussian --threads 2", ("--threads", "outside of the chain")),
                          ("isosurface --iso 9 | median", ("step 2 of the chain, median", "takes a volume")),
-                         ("gaussian --sigma 1 | calc a+b b=none.nrrd", ("step 2 of the chain, calc", "none.nrrd"))):
+                         ("gaussian --sigma 1 | calc a+b b=none.nrrd", ("step 2 of the chain, calc", "none.nrrd")),
+                         ("calc", ("step 1 of the chain, calc", "formula is missing")), ("median | calc", ("step 2", "formula is missing")),
+                         ("calc a-b b=in.nrrd@0", ("in.nrrd", "@0", "further input")), ("calc a a=in.nrrd", ("called 'a'", "other names")),
+                         ("gaussian in.nrrd", ("takes 1 input at most, there are 2",))):
         done = volvis("pipe", "in.nrrd", chain, "-o", "x.nrrd")
         assert done.code in (2, 3) and done.message.count("\n") == 1, (chain, done.code, done.message)
         says(done.message, *words)
     says(fails(2, "pipe", "in.nrrd", "in.nrrd", "-o", "x.nrrd"), "no word is a chain")
+    says(fails(2, "pipe", "in.nrrd", "gausian", "-o", "x.nrrd"), "did you mean 'gaussian'")
     says(fails(2, "pipe", "in.nrrd", "gaussian", "-o", "x.ply"), "x.ply")
     says(fails(2, "pipe", "in.nrrd", "isosurface", "-o", "x.nrrd"), "x.nrrd")
     says(fails(2, "pipe", "-", "gaussian", "-o", "x.vv.json", stdin=read("in.nrrd")), "standard input")

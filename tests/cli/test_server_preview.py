@@ -37,12 +37,19 @@ def picture(preview):
     return decoded(base64.b64decode(text))
 
 
+async def told(page, *said, **members):
+    """What is asked changes the World, and the page has heard of it."""
+    number = page.world["number"]
+    await page.ask(*said, **members)
+    await page.until(lambda: page.world["number"] > number)
+
+
 async def apply(page, operation, parameters, **inputs):
-    await page.ask("edit", edits=[
+    await told(page, "edit", edits=[
         {"op": "add", "path": "datasets", "id": "made", "value": {"operation": operation, "inputs": {"volume": "a", **inputs}, "parameters": parameters}},
         {"op": "set", "path": "volumes.a.data", "value": "made"}])
     shown = decoded((await page.resting()).data)
-    await page.ask("undo")
+    await told(page, "undo")
     return shown
 
 
