@@ -225,17 +225,20 @@ static vv_status hold(const walk *w, const uint8_t *to_end)
     return check_half(w, w->elements->end(w->elements->user));
 }
 
-/* Elements into `to`; those that the file does not have any more are not there: NaN, or 0. */
+/* Elements into `to`; those that the file does not have any more are not there: NaN, or 0. Where too few are there,
+ * this is found before memory is touched for those that are not. */
 static vv_status read_elements(walk *w, uint8_t *to, uint64_t first, size_t n)
 {
     size_t got = n;
     if (!w->elements->read_some)
         return w->elements->read(w->elements->user, to, first, n);
-    const vv_status st = w->elements->read_some(w->elements->user, to, first, n, &got);
+    vv_status st = w->elements->read_some(w->elements->user, to, first, n, &got);
     if (st == VV_OK && got < n) {
         const uint64_t end = w->elements->end ? w->elements->end(w->elements->user) : first + got;
         if (end < w->end)
             w->end = end;
+        if ((st = check_half(w, w->end)) != VV_OK)
+            return st;
         memset(to + got * w->in_bytes, vv_type_is_float(w->layout->type) ? 0xff : 0, (n - got) * w->in_bytes);
     }
     return st;

@@ -128,6 +128,8 @@ static vv_status open_target(vv_sink *s, const char *path)
     const bool there = strcmp(path, "-") != 0 && stat(path, &info) == 0;
     if (there && S_ISDIR(info.st_mode))
         return vv_fail_at(VV_E_WRITE, path, NULL, "is a folder; name a file in it");
+    if (there && !S_ISREG(info.st_mode) && vvi_job_confined(s->job)) /* nobody may read a pipe */
+        return vv_fail_at(VV_E_WRITE, path, NULL, "is no file; choose another name");
     if (strcmp(path, "-") == 0 || (there && !S_ISREG(info.st_mode)))
         return open_straight(s, path);
     /* Through a link to the file it means, so that the link stays one. */
@@ -205,13 +207,13 @@ vv_status vvi_sink_scratch(void **out, vv_sink *s, size_t n)
 /* Files that belong together -------------------------------------------------------------------------------------- */
 
 /* Data without the header that they are written for belong to another one. */
-static vv_status spare_data(const vv_sink *first, const char *path)
+static vv_status spare_data(const vv_sink *first, const char *path, const char *name)
 {
     struct stat info;
     if (!first->spares_inputs || stat(path, &info) != 0 || stat(first->path, &info) == 0)
         return VV_OK;
     return vv_fail_at(
-        VV_E_ARGUMENT, path, NULL,
+        VV_E_ARGUMENT, name, NULL,
         "already exists, and may be the data of another header; choose another name, or give --overwrite");
 }
 
@@ -225,13 +227,17 @@ vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
             "a format that is one file, or give a file's name");
     const char *slash = strrchr(s->path, '/');
     char *path = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->path) + 1 : 0, s->path, name);
-    if (!path)
-        return vv_fail_memory(strlen(name));
-    vv_status st = spare_data(s, path);
+    slash = strrchr(s->name, '/'); /* as people know the place: a path that is held is by a number */
+    char *said = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->name) + 1 : 0, s->name, name);
+    vv_status st = path && said ? spare_data(s, path, said) : vv_fail_memory(strlen(name));
     if (st == VV_OK)
         st = vvi_sink_open(out, path, s->job);
     free(path);
-    if (st == VV_OK) {
+    if (st != VV_OK) {
+        free(said);
+    } else {
+        free((*out)->name);
+        (*out)->name = said;
         (*out)->spares_inputs = s->spares_inputs;
         (*out)->next = s->beside;
         s->beside = *out;

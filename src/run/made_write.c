@@ -102,15 +102,18 @@ static void close_input(vv_run_input *input)
 static vv_status write_chain(const char *path, const vvi_made_chain *chain, const vv_world *world, vv_job *job)
 {
     vv_run_input input[VVI_RUN_INPUTS];
+    vv_write_options options;
     vv_run *run = NULL;
     size_t n = 0;
+    vv_write_options_init(&options, sizeof options);
+    options.spare_inputs = true;
     vv_status st = VV_OK;
     while (n < chain->n_inputs && st == VV_OK) {
         st = open_input(&input[n], chain, n, world, job);
         n++;
     }
     if (st == VV_OK)
-        st = vv_run_new(&run, input, n, chain->step, chain->n, &(vv_run_output){.path = path},
+        st = vv_run_new(&run, input, n, chain->step, chain->n, &(vv_run_output){.path = path, .options = &options},
                         chain->n ? chain->step[chain->n - 1].operation->name : "write", job);
     if (st == VV_OK)
         st = vv_run_write(run);
@@ -135,9 +138,12 @@ static vv_status write_samples(const char *path, const vv_world *world, const vv
 static vv_status write_mesh(const char *path, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     vv_mesh *mesh = NULL;
+    vv_mesh_write_options options;
+    vv_mesh_write_options_init(&options, sizeof options);
+    options.spare_inputs = true;
     vv_status st = vv_dataset_mesh(&mesh, world, dataset, job);
     if (st == VV_OK)
-        st = vv_mesh_write(path, mesh, NULL, job);
+        st = vv_mesh_write(path, mesh, &options, job);
     vv_mesh_release(mesh);
     return st;
 }

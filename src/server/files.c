@@ -79,12 +79,15 @@ static vv_status resolve_fresh(char **out, const vvi_session *session, char *who
     char *real = realpath(*out, NULL); /* a link that is there already leads where it leads, or nowhere yet */
     const bool inside = real ? vvi_files_inside(session, real)
                              : lstat(*out, &info) != 0 && errno == ENOENT && vvi_files_inside(session, *out);
+    const bool plain = !real || vvi_files_plain(real);
     free(real);
-    if (inside)
+    if (inside && plain)
         return VV_OK;
     free(*out);
     *out = NULL;
-    return fail_missing(whole);
+    return inside ? vv_fail_at(VV_E_ARGUMENT, whole, NULL,
+                               "is neither a file nor a folder with files; choose another name")
+                  : fail_missing(whole);
 }
 
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh)

@@ -58,15 +58,15 @@ void vvi_request_tell_path(vvi_request *r)
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
 
-/* What data are made of is not written over: they would be others from then on. */
+/* What data are made of is not written over: they would be others from then on. Links lead to it too. */
 static vv_status check_sources(const vvi_request *r)
 {
+    struct stat target, source;
+    if (stat(r->path, &target) != 0)
+        return VV_OK;
     for (size_t i = 0; i < r->world->datasets->n; i++) {
         const vv_dataset *d = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
-        char *real = d->path ? realpath(d->path, NULL) : NULL;
-        const bool same = real && strcmp(real, r->path) == 0;
-        free(real);
-        if (same)
+        if (d->path && stat(d->path, &source) == 0 && source.st_dev == target.st_dev && source.st_ino == target.st_ino)
             return vv_fail(VV_E_ARGUMENT, "%s is the file of the dataset '%.64s'; choose another name",
                            strrchr(r->path, '/') + 1, r->world->datasets->entry[i].id);
     }

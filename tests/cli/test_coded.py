@@ -179,6 +179,21 @@ def test_damaged_data_cost_no_more_than_64_mib_and_twice_the_file_before_they_ar
         assert beyond < (64 << 20) + 2 * size, f"{words[0]} {name}: {beyond / 2**20:.0f} MiB for {size} bytes"
 
 
+def test_what_is_promised_and_not_there_costs_nothing():
+    if sanitized():
+        return
+    packer = zlib.compressobj(9, zlib.DEFLATED, 31)
+    coded = packer.compress(NOISE * 20 + bytes(58 << 20)) + packer.flush()
+    with open("short.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1000\nencoding: gzip\n\n" + coded)
+    write("tiny.nii.gz", gzip.compress(hostile_files.nifti1([3, 8, 8, 8], datatype=2, bits=8, n=352) + bytes(512), mtime=0))
+    least = run_alone("info", "--stats", "tiny.nii.gz")[2]
+    for words in (["info", "--stats"], ["info", "--stats", "--safe"]):
+        code, message, peak = run_alone(*words, "short.nrrd")
+        assert code == 3 and "less than half" in message, message
+        assert peak - least < (64 << 20) + 2 * os.path.getsize("short.nrrd"), f"{(peak - least) / 2**20:.0f} MiB"
+
+
 def test_what_is_proven_half_way_is_read_on_from_there():
     if sanitized():
         return

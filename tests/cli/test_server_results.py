@@ -292,6 +292,20 @@ def test_files_are_written_where_and_as_they_may_be():
             with open(f"{here}/inside/x.nrrd", "rb") as file:
                 assert file.read() != smooth
             await page.ask("write", dataset="ball", path="inside/as_it_is.npy")  # what is not made too
+            with open(f"{here}/notes.raw", "w", encoding="ascii") as file:
+                file.write("precious")
+            os.symlink("ball.nrrd", f"{here}/link.nrrd")
+            os.mkfifo(f"{here}/pipe.nrrd")
+            for path, words in (("notes.mhd", "may be the data of another header"), ("link.nrrd", "is the file of the dataset 'ball'"),
+                                ("pipe.nrrd", "neither a file nor a folder")):
+                says(await page.refused("write", dataset=made, path=path, replace=path != "notes.mhd"), words)
+            says(await page.refused("save", path="pipe.nrrd/x", replace=True), "there is no such")
+            os.mkfifo(f"{here}/pipe.vv.json")
+            says(await page.refused("save", path="pipe.vv.json", replace=True), "neither a file nor a folder")
+            with open(f"{here}/notes.raw", encoding="ascii") as file:
+                assert file.read() == "precious"
+            await page.ask("write", dataset="ball", path="own.mhd")
+            says(await page.refused("write", dataset=made, path="own.raw", replace=True), "own.mhd")
             assert any(m["type"] == "job" and m["name"] == "write" and m["state"] == "done" for m in page.messages)
     with Server(verb="serve", *("--root", "shared", "shared/ball.nrrd")) as server:
         run(work())
