@@ -53,7 +53,7 @@ static const vv_property properties[] = {
                    .def = 0.01, .doc = "of Wiener's filter that sharpens it: greater values sharpen less"},
     [ROW_EVERY] = {VV_PROP(bias_params, every), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 64,
                    .automatic = "as many as give at most 262 144 samples",
-                   .doc = "the field is found in every so manieth sample along each axis"},
+                   .doc = "the field is found in every n-th sample along each axis"},
     [ROW_RANGE] = {VV_PROP(bias_params, range), .kind = VV_KIND_STRING,
                    .automatic = "without a mask those above Otsu's limit, else all",
                    .doc = "values above 0 that the field is found in, both ends included: 100..200, 100.. or ..200"},

@@ -160,4 +160,5 @@ const vv_operation vvi_operation_join = {
     .carry = vv_carry_values,
     .in_order = true,
     .joins = true,
+    .group = "channels",
 };

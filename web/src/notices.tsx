@@ -26,7 +26,7 @@ export function ConnectionNotice() {
   return (
     <div class={store.welcome.value && state === "lost" ? "banner" : "curtain"} role="alert">
       <Icon name="unplugged" />
-      <p class="curtain-words">{why}{state === "lost" ? " Trying again." : ""}</p>
+      <p class="curtain-words">{why.replace(/\.?$/, ".")}{state === "lost" ? " Trying again." : ""}</p>
       <button type="button" class="button" onClick={reconnect}>Try now</button>
     </div>
   );
