@@ -42,8 +42,6 @@ size_t cli_measure_most_files(const vv_measure_kind *kind);
 /** What may stand for WHAT, by number; NULL past the last. */
 const char *cli_measure_word_nth(size_t index);
 vv_status cli_measure_fail_kind(const char *word);
-/** Whether a word is one of those in a list, between spaces; NULL: there is none. */
-bool cli_measure_has_word(const char *list, const char *word);
 /** What was given for a property of vv_measurement, by its name; NULL: nothing. */
 const char *cli_measure_typed(const cli_command *command, const char *property);
 /** What is typed, as a measurement, yours to release: all that can be told without the files. kind NULL: none. */

@@ -68,20 +68,11 @@ size_t cli_measure_most_files(const vv_measure_kind *kind)
     return 1;
 }
 
-bool cli_measure_has_word(const char *list, const char *word)
-{
-    const size_t n = strlen(word);
-    for (const char *at = list; at && (at = strstr(at, word)) != NULL; at += n)
-        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
-            return true;
-    return false;
-}
-
 /* Other words for them, and beginnings of them. */
 static const char *nearest_kind(const char *word, const char *const *names, size_t n)
 {
     for (size_t i = 0; vv_measure_kind_nth(i); i++)
-        if (cli_measure_has_word(vv_measure_kind_nth(i)->also, word))
+        if (vvi_measure_has_word(vv_measure_kind_nth(i)->also, word))
             return vv_measure_kind_nth(i)->name;
     for (size_t i = 0; i < n; i++)
         if (strlen(word) > 2 && strncmp(word, names[i], strlen(word)) == 0)

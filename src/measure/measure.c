@@ -333,8 +333,7 @@ vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_o
     vv_measure_options_init(&o, sizeof o);
     if (options)
         memcpy(&o, options, options->size < sizeof o ? options->size : sizeof o);
-    if (o.method == VV_MEASURE_AUTO)
-        o.method = o.object == VV_OBJECT_RANGE ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
+    o.method = vvi_object_method(o.object, o.method);
     vv_status st = vvi_object_open(&object, field, &o, 1, job);
     if (st == VV_OK && o.seeded)
         st = vvi_object_track(&object, o.seed);

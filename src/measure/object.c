@@ -167,6 +167,13 @@ bool vvi_object_is_band(const vvi_object *object)
            object->value_hi < INFINITY;
 }
 
+vv_measure_method vvi_object_method(vv_object_kind object, vv_measure_method method)
+{
+    if (method != VV_MEASURE_AUTO)
+        return method;
+    return object == VV_OBJECT_RANGE ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
+}
+
 vvi_object vvi_object_upper(const vvi_object *band, bool above)
 {
     vvi_object o = *band;

@@ -37,6 +37,8 @@ vv_status vvi_object_coarse(vvi_object *out, const vvi_object *fine, const vv_me
 /** Whether values bound it from below and from above: two surfaces, which may pass between the same two samples. Not of
  * a piece around a seed, which samples alone decide. */
 bool vvi_object_is_band(const vvi_object *object);
+/** What VV_MEASURE_AUTO stands for. */
+vv_measure_method vvi_object_method(vv_object_kind object, vv_measure_method method);
 /** Of a band: what is in it or above it; above: what is above it. */
 vvi_object vvi_object_upper(const vvi_object *band, bool above);
 void vvi_object_close(vvi_object *object);

@@ -215,3 +215,12 @@ vv_status vv_measure_run(vv_answer **out, const vv_measurement *question, const 
     const vv_status st = form ? run_form(&m, form) : vvi_measure_refuse(kind, is, inputs->input->name);
     return st == VV_OK && answer->bad ? vv_fail_memory(answer->n * sizeof *answer->item) : st;
 }
+
+bool vvi_measure_has_word(const char *list, const char *word)
+{
+    const size_t n = strlen(word);
+    for (const char *at = list; at && (at = strstr(at, word)) != NULL; at += n)
+        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
+            return true;
+    return false;
+}

@@ -99,4 +99,6 @@ vv_status vvi_measure_label_table(vvi_measuring *m);
 vv_status vvi_measure_point_to_surface(vvi_measuring *m);
 vv_status vvi_measure_two_surfaces(vvi_measuring *m);
 vv_status vvi_measure_geodesic(vvi_measuring *m);
+/** Whether a word is one of those in a list, between spaces, such as vv_measure_form.uses; list NULL: there is none. */
+bool vvi_measure_has_word(const char *list, const char *word);
 #endif

@@ -5,6 +5,7 @@
 #include "grid/fill_value.h"
 #include "grid/label_id.h"
 #include "grid/label_sense.h"
+#include "measure/object.h"
 #include "measuring/measuring.h"
 #include <math.h>
 #include <stdio.h>
@@ -218,9 +219,7 @@ static vv_status choose_object(vvi_measuring *m)
 
 static void choose_method(vvi_measuring *m)
 {
-    m->choice.method = (vv_measure_method)m->asked->method;
-    if (m->choice.method == VV_MEASURE_AUTO)
-        m->choice.method = m->choice.object == VV_OBJECT_RANGE ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
+    m->choice.method = vvi_object_method(m->choice.object, (vv_measure_method)m->asked->method);
 }
 
 void vvi_measuring_label_method(vvi_measuring *m)

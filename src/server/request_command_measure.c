@@ -75,6 +75,7 @@ static vv_status put_others(vvi_text *out, const vv_measurement *m)
     static const char *const same[] = {"box", "method", "closed", "bins", "samples", "component"};
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
         char *json = NULL;
+        const vv_property *row = vv_class_find(&vvi_measurement_class, same[i]);
         if (!is_set(m, same[i]))
             continue;
         const vv_status st = vv_path_get(&json, &m->base, same[i]);
@@ -84,8 +85,8 @@ static vv_status put_others(vvi_text *out, const vv_measurement *m)
         if (strcmp(json, "true") == 0)
             vvi_text_printf(out, " --%s", same[i]);
         else if (strcmp(json, "false") != 0)
-            vvi_text_printf(out, " --%s=%.*s", strcmp(same[i], "component") ? same[i] : "channel",
-                            (int)(n - 2 * quoted), json + quoted);
+            vvi_text_printf(out, " --%s=%.*s", row->option ? row->option : row->name, (int)(n - 2 * quoted),
+                            json + quoted);
         free(json);
     }
     if (m->range && m->range->n == 2)
@@ -105,12 +106,7 @@ static bool uses(const vv_measurement *m, const char *property)
 {
     const size_t n_points = m->points ? m->points->n / 3 : 0;
     const vv_measure_form *form = vv_measure_form_of(vv_measure_kind_of(m), VV_MEASURED_VOLUME, 0, n_points);
-    const char *all = form ? form->uses : "";
-    const size_t n = strlen(property);
-    for (const char *at = all; (at = strstr(at, property)) != NULL; at += n)
-        if ((at == all || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
-            return true;
-    return false;
+    return vvi_measure_has_word(form ? form->uses : NULL, property);
 }
 
 /* Whether a file says of its samples what the World says of the volume: nothing moves, cuts or chooses them. */
