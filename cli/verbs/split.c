@@ -14,6 +14,8 @@
 #include <sys/stat.h>
 #include <volvis/run.h>
 
+enum { WIDTH_MOST = 20 };
+
 /* "%d" or "%03d" in the name of a file: where it stands, and how wide it is. */
 typedef struct field {
     size_t at, n;
@@ -23,10 +25,11 @@ typedef struct field {
 static bool take_field(field *out, const char *pattern)
 {
     for (const char *at = strchr(pattern, '%'); at; at = strchr(at + 1, '%')) {
-        const size_t digits = strspn(at + 1, "0123456789");
-        if (digits > 2 || at[1 + digits] != 'd')
+        const size_t n = vvi_text_place(at, &out->width);
+        if (n == 0 || out->width > WIDTH_MOST)
             continue;
-        *out = (field){(size_t)(at - pattern), digits + 2, digits ? atoi(at + 1) : 0};
+        out->at = (size_t)(at - pattern);
+        out->n = n;
         return true;
     }
     return false;

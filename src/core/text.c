@@ -245,3 +245,15 @@ size_t vvi_json_nesting(const char *text, size_t n)
     }
     return deepest;
 }
+
+size_t vvi_text_place(const char *text, int *width_out)
+{
+    size_t n = 1;
+    int width = 0;
+    if (text[0] != '%')
+        return 0;
+    while (text[n] >= '0' && text[n] <= '9' && n < 4)
+        width = width * 10 + (text[n++] - '0');
+    *width_out = width;
+    return text[n] == 'd' ? n + 1 : 0;
+}

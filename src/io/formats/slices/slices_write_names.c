@@ -8,25 +8,12 @@
 
 #define WIDTH_MOST 20
 
-/* A place for a number, "%d" or "%03d": its letters, or 0 where there is none. */
-static size_t place_at(const char *text, int *width_out)
-{
-    size_t n = 1;
-    int width = 0;
-    if (text[0] != '%')
-        return 0;
-    while (text[n] >= '0' && text[n] <= '9' && n < 4)
-        width = width * 10 + (text[n++] - '0');
-    *width_out = width;
-    return text[n] == 'd' ? n + 1 : 0;
-}
-
 static size_t count_places(const char *names)
 {
     int width;
     size_t places = 0;
     for (; *names; names++)
-        places += place_at(names, &width) > 0;
+        places += vvi_text_place(names, &width) > 0;
     return places;
 }
 
@@ -57,7 +44,7 @@ vv_status vvi_slices_check_pattern(const char **encoding_out, const char *names,
     if (strlen(names) > VVI_SLICES_NAME_MOST - 4 * WIDTH_MOST)
         return vv_fail(VV_E_ARGUMENT, "-o '%.40s...': the name is too long", names);
     for (const char *at = names; (at = strchr(at, '%')) != NULL; at++)
-        if (place_at(at, &width) == 0 || width > WIDTH_MOST || (width > 0 && at[1] != '0'))
+        if (vvi_text_place(at, &width) == 0 || width > WIDTH_MOST || (width > 0 && at[1] != '0'))
             return vv_fail(VV_E_ARGUMENT,
                            "-o '%.80s': '%.4s' is no place for a number; there are %%d and, with zeros in front, %%03d",
                            names, at);
@@ -86,7 +73,7 @@ void vvi_slices_fill(char out[VVI_SLICES_NAME_MOST], const char *names, const ui
     size_t n = 0, used = 0;
     int width;
     while (*names && n + WIDTH_MOST + 1 < VVI_SLICES_NAME_MOST) {
-        const size_t place = place_at(names, &width);
+        const size_t place = vvi_text_place(names, &width);
         if (place > 0)
             n += (size_t)snprintf(out + n, VVI_SLICES_NAME_MOST - n, "%0*" PRIu64, width, numbers[used++]);
         else
