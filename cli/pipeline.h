@@ -4,16 +4,18 @@
 #ifndef CLI_PIPELINE_H
 #define CLI_PIPELINE_H
 #include "input.h"
-#include <volvis/run.h>
+#include "run/run_impl.h"
 
 /**
  * Run the steps on the inputs (vv_run_new()), write -o, report.
  *
- * A time step that was chosen is taken alone; else every time step of the first input goes through. With --dry-run
- * nothing is read or written but headers.
+ * A time step that was chosen is taken alone; else every time step goes through. With --dry-run nothing is read or
+ * written but headers.
  */
 vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
                            size_t n_steps);
+/** The same of any run. */
+vv_status cli_pipeline_run_plan(cli_command *command, const vvi_run_plan *plan);
 /** "64 x 64 x 32 f32, 3 components, 4 time steps": for people. */
 void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames);
 #endif
