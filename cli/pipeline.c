@@ -5,6 +5,7 @@
 #include "output.h"
 #include "value.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,6 +58,21 @@ static void report(cli_command *command, const char *output, const vv_run_about 
                         run->run_s, run->write_s);
 }
 
+/* Files that can be read only once are left alone. */
+static void report_time(cli_command *command, const vvi_run_plan *plan, double n_results)
+{
+    bool once = false;
+    for (size_t i = 0; i < plan->n_inputs; i++)
+        once |= plan->inputs[i].name && strcmp(plan->inputs[i].name, "-") == 0;
+    const double seconds = once ? NAN : n_results * vvi_run_seconds(plan, command->job);
+    if (!isfinite(seconds))
+        return;
+    const char *const unit = seconds < 100 ? "s" : "min";
+    cli_command_line(command, "takes", "about %.2g %s of work, by what its middle takes; then reading and writing",
+                     seconds < 100 ? seconds : ceil(seconds / 60), unit);
+    vvi_result_number(&command->json, "seconds", seconds);
+}
+
 static void report_plan(cli_command *command, const char *output, const vvi_run_plan *plan, const vv_run_about *run)
 {
     char about[128], needed[32], working[32];
@@ -79,6 +95,7 @@ static void report_plan(cli_command *command, const char *output, const vvi_run_
     cli_command_line(command, "needs", "%s for samples and results%s%s%s%s", needed,
                      run->streamed ? ", slab by slab" : "", run->working ? "; about " : "", run->working ? working : "",
                      run->working ? " to work with" : "");
+    report_time(command, plan, (double)n_results);
     report_info(command, output, &run->info, run);
     if (vv_field_info_bytes(&bytes, &run->info) == VV_OK)
         vvi_result_unsigned(&command->json, "output_bytes", bytes * n_results);

@@ -9,8 +9,8 @@
 /**
  * Run the steps on the inputs (vv_run_new()), write -o, report.
  *
- * A time step that was chosen is taken alone; else every time step goes through. With --dry-run nothing is read or
- * written but headers.
+ * A time step that was chosen is taken alone; else every time step goes through. With --dry-run nothing is
+ * written, and nothing read but headers and what tells how long the work takes.
  */
 vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
                            size_t n_steps);

@@ -35,6 +35,10 @@ vv_status vvi_run_new(vv_run **out, const vvi_run_plan *plan, const vv_run_outpu
 /** vv_run_make() that leaves what the job was told before. */
 vv_status vvi_run_make(vv_run *run);
 
+/** About how many seconds the steps take for one time step, without reading and writing: from the middle 64^3 samples.
+ * NaN where that cannot be told: steps refuse a part, or work on meshes. */
+double vvi_run_seconds(const vvi_run_plan *plan, vv_job *job);
+
 /** An input, or what a step makes: what is planned of it. */
 typedef struct vvi_run_node {
     vv_field_info info;      /**< of samples */
