@@ -481,7 +481,7 @@ vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_objec
     if (st != VV_OK || vv_operation_makes(made->operation) == VV_IS_MESH)
         return st;
     if ((st = made->operation->plan(out, infos, made->n, params)) != VV_OK)
-        return vvi_made_fail(made, "parameters", st);
+        return vvi_made_fail(made, NULL, st); /* inputs may be at fault as well */
     if (!made->operation->joins && (st = plan_frames(out, made, infos)) != VV_OK)
         return st;
     out->frame = 0;

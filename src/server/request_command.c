@@ -302,6 +302,14 @@ vv_status vvi_command_making(vvi_text *out, const vv_world *world, const char *i
     return put_making_of(&(making){out, world, 0, job, NULL}, id);
 }
 
+/* A line that would fail is not worth copying: its sentence is. */
+static vv_status check_plan(const vv_world *world, const char *id, vv_job *job)
+{
+    vv_field_info info;
+    const vv_dataset *dataset = find_dataset(world, id);
+    return vv_dataset_is_mesh(dataset, job) ? VV_OK : vv_dataset_info(&info, world, dataset, job);
+}
+
 /* An operation that is about to be run: the lines of the dataset that it would make. */
 static vv_status run_operation_command(vvi_task *task, vv_job *job)
 {
@@ -314,6 +322,8 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     vvi_request_free_id(id, r->world, "result");
     vv_status st = vvi_request_make_world(&world, r, id);
     if (st == VV_OK)
+        st = check_plan(world, id, job);
+    if (st == VV_OK)
         st = vvi_command_making(&text, world, id, job);
     if (st == VV_OK && text.n > 0) {
         text.s[--text.n] = 0; /* the last line ends here */
@@ -321,7 +331,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     }
     vvi_text_free(&text);
     vv_object_release(&world->base);
-    return vvi_request_fail_made(id, st);
+    return vvi_request_fail_made(r->operation, id, st);
 }
 
 /* The picture ----------------------------------------------------------------------------------------------------- */

@@ -76,7 +76,7 @@ static vv_status run(vvi_task *task, vv_job *job)
                                    .samples_most = SAMPLES_MOST};
     vvi_preview preview = {0};
     if (st == VV_OK)
-        st = vvi_request_fail_made(id, vvi_preview_make(&preview, &wish, job));
+        st = vvi_request_fail_made(r->operation, id, vvi_preview_make(&preview, &wish, job));
     if (st == VV_OK)
         st = put_preview(&r->value, &preview, job);
     vvi_preview_finish(&preview);

@@ -304,7 +304,7 @@ def test_what_samples_decide_is_worked_out_and_told_once():
 def test_what_is_wrong_in_a_chain_is_said_with_its_step():
     write_blob()
     for chain, words in (("gausian --sigma 1", ("step 1", "did you mean 'gaussian'")), ("gaussian | trheshold --range 1..", ("step 2", "threshold")),
-                         ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("gaussian |", ("step 2", "operation is missing")),
+                         ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("calc '-a'", ("step 1 of the chain, calc", "write '0-a'")), ("gaussian |", ("step 2", "operation is missing")),
                          ("gaussian 'x", ("quotation mark",)), ("gaussian --threads 2", ("--threads", "outside of the chain")),
                          ("isosurface --iso 9 | median", ("step 2 of the chain, median", "takes a volume")),
                          ("gaussian --sigma 1 | calc a+b b=none.nrrd", ("step 2 of the chain, calc", "none.nrrd")),
