@@ -152,7 +152,7 @@ static vv_status take_reading(piping *p, vv_run_input *first)
 static vv_status write_samples(piping *p)
 {
     vvi_made_run all;
-    vv_status st = vvi_made_run_open(&all, p->world, result(p), p->command->job);
+    vv_status st = vvi_made_run_open(&all, p->world, result(p), -1, p->command->job);
     const vvi_run_plan plan = vvi_made_run_plan(&all, p->command->verb.name);
     if (st == VV_OK && (st = take_reading(p, &all.input[0])) == VV_OK)
         st = cli_pipeline_run_plan(p->command, &plan);

@@ -37,9 +37,8 @@ vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_datase
 vv_status vvi_made_params(vv_object **out, const vvi_made *made, vv_job *job);
 /** What its samples will be, as planned, within the limits of what comes from outside. */
 vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job);
-/** Of a series the time step of an input that goes with `frame` of the result; 0 of what has only one. VV_E_ARGUMENT:
- * the inputs have different numbers of them. */
-vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t input, int64_t frame, vv_job *job);
+/** Its parameters with what samples decide, of all time steps together, kept in the cache; yours to release. */
+vv_status vvi_made_settled(vv_object **out, const vvi_made *made, vv_job *job);
 /** The sentence of an operation, with the dataset, or its property, that it is about; one that names a file or a
  * property of the World already stays. */
 vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status status);
@@ -48,29 +47,17 @@ vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status st
  * alone, or on what the operation looks at by itself. */
 bool vvi_made_is_local(const vvi_made *made, const vv_object *params);
 
-/** Samples of the inputs of what is made; zeroed is valid to close. */
-typedef struct vvi_made_fields {
-    vv_field *field[VVI_RUN_INPUTS]; /**< NULL: it is left out */
-    size_t n;
-} vvi_made_fields;
-
-/** Works them out where they are made themselves. *out is for vvi_made_fields_close(), also on failure. */
-vv_status vvi_made_fields_open(vvi_made_fields *out, const vvi_made *made, int64_t frame, vv_job *job);
-void vvi_made_fields_close(vvi_made_fields *fields);
-/** The samples of a box of the result, in a grid of their own: the same bytes that vv_dataset_field() has there. *out
- * is yours. VV_E_UNSUPPORTED: not vvi_made_is_local(); otherwise errors of the operation. */
-vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_fields *fields, const vv_object *params,
-                       const vv_box *box, vv_job *job);
-
 /** A dataset that is made is worked out, unless it is kept: its samples of a time step, or its mesh, yours to release.
  * The job is told what was found when it was worked out (vv_job_finding()), and nothing else. Errors: those of
  * vv_dataset_field() and vv_dataset_mesh(). */
 vv_status vvi_made_work_out(vv_data *out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job);
 
-/** How a dataset of samples comes about, as one run: its steps, and the files and data in memory that they begin with.
- * What cannot be a step of it (a mesh on the way, say) is worked out by itself and is an input. */
+/** How a dataset comes about, as a run: its steps, and the files and data in memory that they begin with. What cannot
+ * be a step of it (a mesh on the way, say) is worked out by itself and is an input. */
 typedef struct vvi_made_run {
     const vv_world *world;
+    int64_t
+        frame; /**< the only time step: one step, of inputs that are kept in the cache; -1: all, from the files on */
     vv_run_input input[VVI_RUN_INPUTS]; /**< the first is what its first inputs lead back to */
     const vv_dataset *of_input[VVI_RUN_INPUTS];
     size_t n_inputs;
@@ -80,12 +67,16 @@ typedef struct vvi_made_run {
     size_t n_steps;
 } vvi_made_run;
 
-/** Parameters are as people gave them: what samples decide is left to the run. *out is for vvi_made_run_close(), also
- * on failure. */
-vv_status vvi_made_run_open(vvi_made_run *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+/** Of all time steps parameters are as people gave them, and what samples decide is left to the run; of one they are
+ * settled. *out is for vvi_made_run_close(), also on failure. */
+vv_status vvi_made_run_open(vvi_made_run *out, const vv_world *world, const vv_dataset *dataset, int64_t frame,
+                            vv_job *job);
 void vvi_made_run_close(vvi_made_run *run);
 /** It as what vvi_run_new() takes; name: for errors of what has no steps. Borrowed of it. */
 vvi_run_plan vvi_made_run_plan(const vvi_made_run *run, const char *name);
+/** The samples of a box of the result, in a grid of their own: the same bytes that vv_dataset_field() has there. *out
+ * is yours. run: of one time step. VV_E_UNSUPPORTED: not vvi_made_is_local(); otherwise errors of the operation. */
+vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_run *run, const vv_box *box, vv_job *job);
 /** A dataset as a file, in the format of its suffix: all time steps, with what its file says as it still holds. The
  * bytes are those that `volvis NAME` and `volvis pipe` write. Errors: VV_E_ARGUMENT (no format for such data),
  * those of vv_run_write() and vv_mesh_write(). */

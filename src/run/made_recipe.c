@@ -471,6 +471,16 @@ static vv_status plan_frames(vv_field_info *out, const vvi_made *made, const vv_
     return VV_OK;
 }
 
+/* Whether inputs have as many samples as the first: else it may be they that are at fault. */
+static bool fit(const vvi_made *made, const vv_field_info *infos)
+{
+    bool same = true;
+    for (size_t i = 1; i < made->n; i++)
+        same =
+            same && (!made->input[i] || memcmp(infos[i].grid.dims, infos[0].grid.dims, sizeof infos[0].grid.dims) == 0);
+    return same;
+}
+
 vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job)
 {
     vv_field_info infos[VVI_RUN_INPUTS] = {0};
@@ -481,7 +491,7 @@ vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_objec
     if (st != VV_OK || vv_operation_makes(made->operation) == VV_IS_MESH)
         return st;
     if ((st = made->operation->plan(out, infos, made->n, params)) != VV_OK)
-        return vvi_made_fail(made, NULL, st); /* inputs may be at fault as well */
+        return vvi_made_fail(made, fit(made, infos) ? "parameters" : NULL, st);
     if (!made->operation->joins && (st = plan_frames(out, made, infos)) != VV_OK)
         return st;
     out->frame = 0;

@@ -21,16 +21,30 @@ static vv_status open_file(vv_run_input *out, const vv_dataset *dataset, vv_job 
     return vv_file_open(&out->file, dataset->path, &options, job);
 }
 
-static vv_status open_input(vv_run_input *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+/* Of a series the time step that goes with that of the result, else the only one. */
+static vv_status get_kept(vv_field **out, const vv_world *world, const vv_dataset *dataset, int64_t frame,
+                          bool grid_only, vv_job *job)
 {
+    vv_field_info info;
+    const vv_status st = vv_dataset_info(&info, world, dataset, job);
+    if (st != VV_OK)
+        return st;
+    return grid_only ? vvi_run_grid(out, &info, job)
+                     : vv_dataset_field(out, world, dataset, NULL, info.n_frames > 1 ? frame : 0, job);
+}
+
+static vv_status open_input(vv_run_input *out, const vvi_made_run *run, const vv_dataset *dataset, bool grid_only,
+                            vv_job *job)
+{
+    const vv_world *world = run->world;
     vv_field *field = NULL;
     vv_mesh *mesh = NULL;
     vv_status st = VV_OK;
     if (vv_dataset_is_mesh(dataset, job)) {
         st = vv_dataset_mesh(&mesh, world, dataset, job);
         out->mesh = mesh;
-    } else if (dataset->fields) {
-        st = vv_dataset_field(&field, world, dataset, NULL, 0, job);
+    } else if (run->frame >= 0 || dataset->fields) {
+        st = get_kept(&field, world, dataset, run->frame < 0 ? 0 : run->frame, grid_only && run->frame >= 0, job);
         out->field = field;
     } else if (vv_dataset_is_made(dataset)) {
         st = vvi_dataset_open(&out->file, world, dataset, job);
@@ -40,7 +54,8 @@ static vv_status open_input(vv_run_input *out, const vv_world *world, const vv_d
     return st;
 }
 
-static vv_status add_input(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, vv_job *job)
+static vv_status add_input(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, bool grid_only,
+                           vv_job *job)
 {
     for (size_t i = 0; i < run->n_inputs; i++)
         if (run->of_input[i] == dataset) {
@@ -53,28 +68,53 @@ static vv_status add_input(int *out, vvi_made_run *run, const vv_dataset *datase
     *input = (vv_run_input){.frame = -1, .name = id};
     run->of_input[run->n_inputs] = dataset;
     *out = (int)run->n_inputs++;
-    return open_input(input, run->world, dataset, job);
+    return open_input(input, run, dataset, grid_only, job);
 }
 
 /* Steps ----------------------------------------------------------------------------------------------------------- */
 
-static vv_status add_node(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, vv_job *job);
+static vv_status add_node(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, bool grid_only,
+                          vv_job *job);
 
 static bool is_step(const vvi_made_run *run, const vv_dataset *dataset, vv_job *job)
 {
-    return vv_dataset_is_made(dataset) && !vv_dataset_is_mesh(dataset, job) && run->n_steps < VVI_MADE_DEEPEST;
+    return run->frame < 0 && vv_dataset_is_made(dataset) && !vv_dataset_is_mesh(dataset, job) &&
+           run->n_steps < VVI_MADE_DEEPEST;
+}
+
+/* Of inputs that are joined the one that has the time step, which becomes its own. */
+static vv_status take_joined(vvi_run_takes *out, vvi_made_run *run, const vvi_made *made, vv_job *job)
+{
+    vv_field_info info;
+    vv_status st = VV_OK;
+    size_t i = 0;
+    for (; i < made->n; run->frame -= info.n_frames, i++)
+        if ((st = vv_dataset_info(&info, run->world, made->input[i], job)) != VV_OK || run->frame < info.n_frames)
+            break;
+    out->n = 1;
+    return st == VV_OK ? add_node(&out->from[0], run, made->input[i], made->input_id[i], false, job) : st;
+}
+
+static vv_status take_inputs(vvi_run_takes *out, vvi_made_run *run, const vvi_made *made, vv_job *job)
+{
+    vv_status st = VV_OK;
+    *out = (vvi_run_takes){.n = made->n};
+    if (made->operation->joins && run->frame >= 0)
+        return take_joined(out, run, made, job);
+    for (size_t i = 0; i < made->n && st == VV_OK; i++) {
+        const bool grid_only = vv_operation_operand(made->operation, i)->grid_only;
+        out->from[i] = VVI_RUN_GAP;
+        if (made->input[i])
+            st = add_node(&out->from[i], run, made->input[i], made->input_id[i], grid_only, job);
+    }
+    return st;
 }
 
 /* Behind those that it takes. */
 static vv_status add_step(int *out, vvi_made_run *run, const vvi_made *made, vv_job *job)
 {
-    vvi_run_takes takes = {.n = made->n};
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < made->n && st == VV_OK; i++) {
-        takes.from[i] = VVI_RUN_GAP;
-        if (made->input[i])
-            st = add_node(&takes.from[i], run, made->input[i], made->input_id[i], job);
-    }
+    vvi_run_takes takes;
+    vv_status st = take_inputs(&takes, run, made, job);
     if (st == VV_OK && run->n_steps == VVI_MADE_DEEPEST)
         st = vv_fail(VV_E_LIMIT, "it is made by more than %d operations", VVI_MADE_DEEPEST);
     if (st != VV_OK)
@@ -84,21 +124,18 @@ static vv_status add_step(int *out, vvi_made_run *run, const vvi_made *made, vv_
     run->takes[n] = takes;
     run->of_step[n] = made->dataset;
     *out = VVI_RUN_INPUTS + (int)n;
-    if ((st = vvi_made_params(&run->step[n].params, made, job)) == VV_OK)
-        run->n_steps++;
+    if (run->frame >= 0)
+        vv_job_forget_findings(job); /* those of inputs, where they were not kept */
+    st = run->frame >= 0 && vv_operation_makes(made->operation) == VV_IS_FIELD
+             ? vvi_made_settled(&run->step[n].params, made, job)
+             : vvi_made_params(&run->step[n].params, made, job);
+    run->n_steps += st == VV_OK;
     return st;
 }
 
-static vv_status add_node(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, vv_job *job)
+static vv_status add_made(int *out, vvi_made_run *run, const vv_dataset *dataset, vv_job *job)
 {
     vvi_made made;
-    for (size_t s = 0; s < run->n_steps; s++)
-        if (run->of_step[s] == dataset) {
-            *out = VVI_RUN_INPUTS + (int)s;
-            return VV_OK;
-        }
-    if (!is_step(run, dataset, job))
-        return add_input(out, run, dataset, id, job);
     vv_status st = vvi_made_open(&made, run->world, dataset, job);
     if (st == VV_OK)
         st = add_step(out, run, &made, job);
@@ -106,16 +143,31 @@ static vv_status add_node(int *out, vvi_made_run *run, const vv_dataset *dataset
     return st;
 }
 
-vv_status vvi_made_run_open(vvi_made_run *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
+static vv_status add_node(int *out, vvi_made_run *run, const vv_dataset *dataset, const char *id, bool grid_only,
+                          vv_job *job)
+{
+    for (size_t s = 0; s < run->n_steps; s++)
+        if (run->of_step[s] == dataset) {
+            *out = VVI_RUN_INPUTS + (int)s;
+            return VV_OK;
+        }
+    return is_step(run, dataset, job) ? add_made(out, run, dataset, job)
+                                      : add_input(out, run, dataset, id, grid_only, job);
+}
+
+vv_status vvi_made_run_open(vvi_made_run *out, const vv_world *world, const vv_dataset *dataset, int64_t frame,
+                            vv_job *job)
 {
     int last;
     uint64_t content; /* nothing is made of itself */
     const char *id = "";
-    *out = (vvi_made_run){.world = world};
+    *out = (vvi_made_run){.world = world, .frame = frame};
+    if (frame >= 0)
+        return add_made(&last, out, dataset, job);
     vv_status st = vvi_made_behind(&dataset, &id, world, job);
     if (st == VV_OK && vv_dataset_is_made(dataset))
         st = vvi_made_content(&content, world, dataset, job);
-    return st == VV_OK ? add_node(&last, out, dataset, id, job) : st;
+    return st == VV_OK ? add_node(&last, out, dataset, id, false, job) : st;
 }
 
 void vvi_made_run_close(vvi_made_run *run)
@@ -132,11 +184,13 @@ void vvi_made_run_close(vvi_made_run *run)
 
 vvi_run_plan vvi_made_run_plan(const vvi_made_run *run, const char *name)
 {
+    const bool kept = run->frame >= 0 && run->n_steps > 0;
     return (vvi_run_plan){.inputs = run->input,
                           .n_inputs = run->n_inputs,
                           .steps = run->step,
                           .takes = run->takes,
                           .n_steps = run->n_steps,
+                          .settled = kept && vv_operation_makes(run->step[0].operation) == VV_IS_FIELD,
                           .name = run->n_steps ? run->step[run->n_steps - 1].operation->name : name};
 }
 
@@ -149,7 +203,7 @@ static vv_status write_samples(const char *path, const vv_world *world, const vv
     vv_write_options options;
     vv_write_options_init(&options, sizeof options);
     options.spare_inputs = true;
-    vv_status st = vvi_made_run_open(&all, world, dataset, job);
+    vv_status st = vvi_made_run_open(&all, world, dataset, -1, job);
     if (st == VV_OK) {
         const vvi_run_plan plan = vvi_made_run_plan(&all, "write");
         st = vvi_run_new(&run, &plan, &(vv_run_output){.path = path, .options = &options}, job);

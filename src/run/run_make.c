@@ -56,8 +56,7 @@ static vv_status refuse_samples(vv_field **out, void *user, const vv_box *box, v
     return vv_fail(VV_E_UNSUPPORTED, "the samples of an input were asked for, of which only the grid is known");
 }
 
-/* A field that has no samples. */
-static vv_status grid_of(vv_field **out, const vv_field_info *info, vv_job *job)
+vv_status vvi_run_grid(vv_field **out, const vv_field_info *info, vv_job *job)
 {
     const vvi_lazy_source none = {.make = refuse_samples};
     vvi_lazy_pool *pool;
@@ -126,7 +125,7 @@ static vv_status take_operand(vv_data *out, frame *f, size_t s, size_t i)
     const vv_run_input *in = from < VVI_RUN_INPUTS ? &f->run->inputs[from] : NULL;
     if (vv_operation_operand(f->run->steps[s].operation, i)->grid_only && f->run->about.makes == VV_IS_FIELD &&
         !(in && in->field))
-        return grid_of(&out->field, &f->run->nodes[from].info, f->run->job);
+        return vvi_run_grid(&out->field, &f->run->nodes[from].info, f->run->job);
     const vv_status st = make_node(f, from);
     if (st != VV_OK)
         return st;

@@ -141,25 +141,25 @@ static double samples_of(const vv_box *box)
     return (double)box->n[0] * (double)box->n[1] * (double)box->n[2];
 }
 
-static vv_status make_part(work *w, const vvi_made_fields *fields, const vv_box *box)
+static vv_status make_part(work *w, const vvi_made_run *run, const vv_box *box)
 {
     vv_field_release(w->field);
     w->out->box = *box;
-    return vvi_made_box(&w->field, &w->made, fields, w->params, box, w->job);
+    return vvi_made_box(&w->field, &w->made, run, box, w->job);
 }
 
 /* All that is seen, where that is quickly made; else what is around the cross-hair. */
-static vv_status make_in_time(work *w, const vvi_made_fields *fields, const vv_box *seen, const double middle[3])
+static vv_status make_in_time(work *w, const vvi_made_run *run, const vv_box *seen, const double middle[3])
 {
     const vv_box trial = vvi_preview_smaller(seen, middle, TRIAL_SAMPLES);
     const double begin = vvi_os_seconds();
-    const vv_status st = make_part(w, fields, &trial);
+    const vv_status st = make_part(w, run, &trial);
     const double spent = vvi_os_seconds() - begin;
     const double most = spent > 0 ? samples_of(&trial) * w->wish->part_s / spent : INFINITY;
     if (st != VV_OK || samples_of(&trial) >= fmin(samples_of(seen), most))
         return st;
     const vv_box larger = vvi_preview_smaller(seen, middle, most);
-    return make_part(w, fields, &larger);
+    return make_part(w, run, &larger);
 }
 
 static vv_status make_box(work *w)
@@ -173,11 +173,11 @@ static vv_status make_box(work *w)
     if (plane && !vvi_preview_seen(&seen, w->scene, to_world, dims, w->actor->cubic ? MARGIN_CUBIC : MARGIN))
         return vv_fail(VV_E_ARGUMENT, "nothing of the result is seen in this view");
     const vv_box wanted = plane ? seen : vvi_preview_smaller(&seen, middle, (double)w->wish->samples_most);
-    vvi_made_fields fields;
-    vv_status st = vvi_made_fields_open(&fields, &w->made, w->frame, w->job);
+    vvi_made_run run;
+    vv_status st = vvi_made_fail(&w->made, NULL, vvi_made_run_open(&run, w->world, w->made.dataset, w->frame, w->job));
     if (st == VV_OK)
-        st = make_in_time(w, &fields, &wanted, middle);
-    vvi_made_fields_close(&fields);
+        st = make_in_time(w, &run, &wanted, middle);
+    vvi_made_run_close(&run);
     w->out->full = st == VV_OK && samples_of(&w->out->box) >= samples_of(&seen);
     return st;
 }
@@ -319,19 +319,17 @@ static vv_status draw(work *w)
 /* From a part of what is seen, which is in memory. */
 static vv_status tell_time(work *w)
 {
-    vvi_made_fields fields;
-    vv_run_input inputs[VVI_RUN_INPUTS];
-    const vv_step step = {w->made.operation, w->params};
-    vv_status st = VV_OK;
-    if (makes_mesh(w) || !w->actor || (st = vvi_made_fields_open(&fields, &w->made, w->frame, w->job)) != VV_OK)
-        return st;
-    for (size_t i = 0; i < fields.n; i++)
-        inputs[i] = (vv_run_input){.field = fields.field[i], .name = w->made.input_id[i]};
-    const vvi_run_plan plan = {
-        .inputs = inputs, .n_inputs = fields.n, .steps = &step, .n_steps = 1, .name = step.operation->name};
-    w->out->seconds = vvi_run_seconds(&plan, w->job);
-    vvi_made_fields_close(&fields);
-    return vvi_job_poll(w->job);
+    vvi_made_run run;
+    if (makes_mesh(w) || !w->actor)
+        return VV_OK;
+    vv_status st = vvi_made_run_open(&run, w->world, w->made.dataset, w->frame, w->job);
+    if (st == VV_OK) {
+        const vvi_run_plan plan = vvi_made_run_plan(&run, NULL);
+        w->out->seconds = vvi_run_seconds(&plan, w->job);
+        st = vvi_job_poll(w->job);
+    }
+    vvi_made_run_close(&run);
+    return vvi_made_fail(&w->made, NULL, st);
 }
 
 static vv_status make(work *w)

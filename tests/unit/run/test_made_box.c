@@ -92,8 +92,8 @@ static void same_bytes(const vv_field *part, const vv_field *whole, const vv_box
 static void compare_boxes(const vvi_made *made, const vv_object *params, const vv_field *whole, vv_job *job)
 {
     const int64_t *dims = vv_field_get_info(whole)->grid.dims;
-    vvi_made_fields fields;
-    ok(vvi_made_fields_open(&fields, made, 0, job));
+    vvi_made_run inputs;
+    ok(vvi_made_run_open(&inputs, made->world, made->dataset, 0, job));
     for (int axis = 0; axis < 4; axis++) {
         vv_box box = {{0, 0, 0}, {dims[0], dims[1], dims[2]}};
         for (int a = 0; a < 3; a++)
@@ -102,11 +102,11 @@ static void compare_boxes(const vvi_made *made, const vv_object *params, const v
                 box.n[a] = dims[a] - box.lo[a] > 1 ? 2 : 1;
             }
         vv_field *part = NULL;
-        ok(vvi_made_box(&part, made, &fields, params, &box, job));
+        ok(vvi_made_box(&part, made, &inputs, &box, job));
         same_bytes(part, whole, &box, made->operation->name);
         vv_field_release(part);
     }
-    vvi_made_fields_close(&fields);
+    vvi_made_run_close(&inputs);
 }
 
 /* How many of those there are is known: else a row that is local no more would be left out in silence. */
@@ -169,7 +169,7 @@ static void what_samples_decide_is_not_made_in_boxes(void **state)
     vv_world *world = NULL;
     vv_object *params = NULL;
     vvi_made made;
-    vvi_made_fields fields;
+    vvi_made_run inputs;
     const vv_box box = {{0, 0, 0}, {1, 1, 1}};
     (void)state;
     ok(vv_world_for_field(&world, "in", in, job));
@@ -179,10 +179,10 @@ static void what_samples_decide_is_not_made_in_boxes(void **state)
     ok(vvi_made_open(&made, world, (const vv_dataset *)(const void *)vv_collection_find(world->datasets, "out"), job));
     ok(vvi_made_params(&params, &made, job));
     assert_false(vvi_made_is_local(&made, params));
-    ok(vvi_made_fields_open(&fields, &made, 0, job));
-    assert_int_equal(vvi_made_box(&part, &made, &fields, params, &box, job), VV_E_UNSUPPORTED);
+    ok(vvi_made_run_open(&inputs, made.world, made.dataset, 0, job));
+    assert_int_equal(vvi_made_box(&part, &made, &inputs, &box, job), VV_E_UNSUPPORTED);
     assert_non_null(strstr(vv_error_last()->message, "datasets.out"));
-    vvi_made_fields_close(&fields);
+    vvi_made_run_close(&inputs);
     vv_object_release(params);
     vvi_made_close(&made);
     vv_object_release(&world->base);
