@@ -126,7 +126,7 @@ static int kernel_of(const vvi_raycast_volume *v, int mode)
     }
 }
 
-static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_raycast_kernels *k)
+static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_ray_kernels *k)
 {
     if (v->solid && v->blend.cubic)
         return k->surface_cubic;
@@ -180,7 +180,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
 }
 
 /* Several volumes, or one that no kernel of one volume shows: surfaces behind, and all others before them. */
-static void prepare_blend(vvi_raycast_state *s, const vvi_raycast_kernels *k)
+static void prepare_blend(vvi_raycast_state *s, const vvi_ray_kernels *k)
 {
     vvi_blend_setup *f = &s->blend;
     *f = (vvi_blend_setup){.step = s->volume[0].blend.ray.step, .opaque = s->volume[0].blend.ray.opaque};
@@ -199,7 +199,7 @@ static void prepare_blend(vvi_raycast_state *s, const vvi_raycast_kernels *k)
 static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv_job *job)
 {
     const vvi_raycast_params *p = params_of(scene);
-    const vvi_raycast_kernels *k = vvi_raycast_kernels_for(vvi_job_cpu(job));
+    const vvi_ray_kernels *k = vvi_ray_kernels_for(vvi_job_cpu(job));
     for (size_t i = 0; i < scene->n_actors; i++) {
         const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
         if (st != VV_OK)

@@ -2,7 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "render/common/minmax_spread.h"
-#include "render/common/skip.h"
+#include "render/march/skip.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
 #include "render/common/texture.h"
-#include "render/raycast/blend_kernel.h"
+#include "render/march/blend_kernel.h"
 #include <volvis/model.h>
 
 typedef enum vvi_raycast_mode {

@@ -167,7 +167,7 @@ static void take_samples(probe *p, const vv_field *field, bool nearest)
         const vv_vec3 index = vv_affine_point(back, p->at[i]);
         in[0][i] = (float)index.x, in[1][i] = (float)index.y, in[2][i] = (float)index.z;
     }
-    vvi_raycast_kernels_for(vvi_job_cpu(NULL))
+    vvi_ray_kernels_for(vvi_job_cpu(NULL))
         ->sample(out[0], gradient, &hold.lattice, nearest, in[0], in[1], in[2], POINTS);
     for (int i = 0; i < POINTS; i++) { /* grids of these tests are cubes along the axes */
         p->value[i] = (double)out[0][i];

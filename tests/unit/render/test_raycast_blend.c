@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-extern const vvi_raycast_kernels vvi_raycast_kernels_scalar;
+extern const vvi_ray_kernels vvi_ray_kernels_scalar;
 extern const vv_renderer vvi_renderer_raycast;
 
 enum { MOST = 4 };
@@ -407,7 +407,7 @@ static void look_at_all(together *t, uint64_t seed)
 
 static void compare_with_reference(const test_ray_scene *s, const char *cpu, const char *what, const double *want)
 {
-    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_raycast_kernels_scalar);
+    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_ray_kernels_scalar);
     const int n = s->scene.width * s->scene.height;
     int bad = 0;
     double worst = 0;

@@ -4,8 +4,8 @@
 #ifndef VVI_RENDER_SHADE_SIMD_H
 #define VVI_RENDER_SHADE_SIMD_H
 #include "gfx/lamp_simd.h"
-#include "render/common/lattice_simd.h"
-#include "render/raycast/raycast_kernels.h"
+#include "render/march/kernels.h"
+#include "render/march/lattice_simd.h"
 
 /** Index-space gradient of the stored values to the world's. */
 VV_INLINE vf3 world_gradient(const vvi_ray_setup *f, vf3 g)

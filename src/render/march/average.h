@@ -4,9 +4,9 @@
  * Samples lie in the middle of steps, the last and shorter one included, so that both are integrals by the midpoint
  * rule. Samples that are no finite number count as nothing, and their steps as no length.
  */
-#ifndef VVI_RENDER_RAYCAST_AVERAGE_H
-#define VVI_RENDER_RAYCAST_AVERAGE_H
-#include "render/raycast/extremum.h"
+#ifndef VVI_RENDER_MARCH_AVERAGE_H
+#define VVI_RENDER_MARCH_AVERAGE_H
+#include "render/march/extremum.h"
 
 typedef struct average_state {
     vf sum, length; /* of value times steps, of steps */

@@ -5,10 +5,10 @@
  * and the end of a ray's way through a cell brackets the border, and halving finds it. Two crossings within half a cell
  * are not seen.
  */
-#ifndef VVI_RENDER_RAYCAST_SURFACE_CUBIC_H
-#define VVI_RENDER_RAYCAST_SURFACE_CUBIC_H
-#include "render/raycast/blend_cubic.h"
-#include "render/raycast/surface.h"
+#ifndef VVI_RENDER_MARCH_SURFACE_CUBIC_H
+#define VVI_RENDER_MARCH_SURFACE_CUBIC_H
+#include "render/march/blend_cubic.h"
+#include "render/march/surface.h"
 
 /* Halvings of half a cell: to the last bit of the place in it. */
 enum { HALVINGS = 22 };

@@ -4,15 +4,15 @@
  * What the composite kernels have as constants of the program is chosen here at run time, the same way for all lanes.
  * Samplers stand out of line: one copy of each serves all volumes.
  */
-#ifndef VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
-#define VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
-#include "render/common/shade_simd.h"
-#include "render/common/texture_simd.h"
-#include "render/raycast/blend_cubic.h"
-#include "render/raycast/blend_labels.h"
-#include "render/raycast/blend_paint.h"
-#include "render/raycast/classify.h"
-#include "render/raycast/entry.h"
+#ifndef VVI_RENDER_MARCH_BLEND_SAMPLE_H
+#define VVI_RENDER_MARCH_BLEND_SAMPLE_H
+#include "render/march/blend_cubic.h"
+#include "render/march/blend_labels.h"
+#include "render/march/blend_paint.h"
+#include "render/march/classify.h"
+#include "render/march/entry.h"
+#include "render/march/shade_simd.h"
+#include "render/march/texture_simd.h"
 
 /** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
 typedef struct blend_part {

@@ -4,11 +4,11 @@
  *
  * A ray that starts inside the solid (a cut plane, the border of the data, the eye) shows the cut: a flat face.
  */
-#ifndef VVI_RENDER_RAYCAST_SURFACE_H
-#define VVI_RENDER_RAYCAST_SURFACE_H
-#include "render/common/shade_simd.h"
-#include "render/common/texture_simd.h"
-#include "render/raycast/entry.h"
+#ifndef VVI_RENDER_MARCH_SURFACE_H
+#define VVI_RENDER_MARCH_SURFACE_H
+#include "render/march/entry.h"
+#include "render/march/shade_simd.h"
+#include "render/march/texture_simd.h"
 
 /** Walk of a packet through cells. Cells are integers, so each step gets on, whatever the rounding of s. */
 typedef struct walk {

@@ -1,9 +1,9 @@
 /** @file
  * Values and gradients of a lattice whose sample type is known at run time only. For kernels only.
  */
-#ifndef VVI_RENDER_RAYCAST_BLEND_VALUE_H
-#define VVI_RENDER_RAYCAST_BLEND_VALUE_H
-#include "render/common/lattice_simd.h"
+#ifndef VVI_RENDER_MARCH_BLEND_VALUE_H
+#define VVI_RENDER_MARCH_BLEND_VALUE_H
+#include "render/march/lattice_simd.h"
 
 #define OUT_OF_LINE static __attribute__((noinline))
 

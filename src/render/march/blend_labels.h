@@ -2,9 +2,9 @@
  * Label maps with smooth borders: of the labels around a point the one with the most trilinear weight. For kernels
  * only.
  */
-#ifndef VVI_RENDER_RAYCAST_BLEND_LABELS_H
-#define VVI_RENDER_RAYCAST_BLEND_LABELS_H
-#include "render/common/lattice_simd.h"
+#ifndef VVI_RENDER_MARCH_BLEND_LABELS_H
+#define VVI_RENDER_MARCH_BLEND_LABELS_H
+#include "render/march/lattice_simd.h"
 
 static __attribute__((noinline)) void corners_of(vf v[8], const vvi_lattice *g, const cell_at *c, vm m)
 {

@@ -1,7 +1,7 @@
 /* Occupancy of blocks, and the Chebyshev distance to the nearest occupied and the nearest empty one: in that metric all
  * 26 neighbours are one apart, so one forward and one backward pass over the 13 neighbours on each side gives exact
  * distances (Rosenfeld and Pfaltz 1966). */
-#include "render/common/skip.h"
+#include "render/march/skip.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include <string.h>

@@ -2,9 +2,9 @@
  * The faces by which the rays of a packet enter their volume: where a cut goes through something solid or dense, light
  * falls on the cut. For kernels only.
  */
-#ifndef VVI_RENDER_RAYCAST_ENTRY_H
-#define VVI_RENDER_RAYCAST_ENTRY_H
-#include "render/raycast/packet.h"
+#ifndef VVI_RENDER_MARCH_ENTRY_H
+#define VVI_RENDER_MARCH_ENTRY_H
+#include "render/march/packet.h"
 
 /** Unit normals of the faces by which `lanes` enter, into the volume, which is how gradients point; and which of the
  * faces are those of cut planes. Out of line: it is rare, and one lane after the other. */

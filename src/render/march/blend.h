@@ -5,9 +5,9 @@
  * inside it, which it is sampled in the middle of: so entry, exit and what lies between two volumes are exact. A step
  * in which every volume's block is empty is jumped, and with it all up to the first that may not be.
  */
-#ifndef VVI_RENDER_RAYCAST_BLEND_H
-#define VVI_RENDER_RAYCAST_BLEND_H
-#include "render/raycast/blend_sample.h"
+#ifndef VVI_RENDER_MARCH_BLEND_H
+#define VVI_RENDER_MARCH_BLEND_H
+#include "render/march/blend_sample.h"
 
 /* Parts of a step below this are rounding. */
 #define LEAST_PART 1e-6f

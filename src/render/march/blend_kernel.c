@@ -1,7 +1,7 @@
 /* The general kernel of the ray caster and that of cubic surfaces, for one instruction set. Their table is that of
  * raycast_kernels.c. */
-#include "render/raycast/blend.h"
-#include "render/raycast/surface_cubic.h"
+#include "render/march/blend.h"
+#include "render/march/surface_cubic.h"
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile);
 extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);

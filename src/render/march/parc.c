@@ -1,7 +1,7 @@
 /* Faces are projected by homogeneous edges (after Olano and Greer 1997): the sign of v_i x v_j . d says on which side
  * of an edge the ray d passes, also where a face reaches behind the eye, so that nothing is clipped before the divide.
  * Every bound is taken over a whole cell, which makes coverage and depths safe for all rays through it. */
-#include "render/raycast/parc.h"
+#include "render/march/parc.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "scene/lens.h"

@@ -1,10 +1,10 @@
 /** @file
  * A packet of rays, one a lane: set up from the lens, clipped to the volume, marched through blocks. For kernels only.
  */
-#ifndef VVI_RENDER_RAYCAST_PACKET_H
-#define VVI_RENDER_RAYCAST_PACKET_H
-#include "render/common/lattice_simd.h"
-#include "render/raycast/raycast_kernels.h"
+#ifndef VVI_RENDER_MARCH_PACKET_H
+#define VVI_RENDER_MARCH_PACKET_H
+#include "render/march/kernels.h"
+#include "render/march/lattice_simd.h"
 
 /* A packet covers PACKET_W x PACKET_H pixels. */
 #if VV_WIDTH == 16

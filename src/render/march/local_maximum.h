@@ -2,9 +2,9 @@
  * The first local maximum above a threshold along each ray of a packet; where there is none, the largest value
  * (Sato et al. 1998). For kernels only. Samples lie where those of the maximum lie.
  */
-#ifndef VVI_RENDER_RAYCAST_LOCAL_MAXIMUM_H
-#define VVI_RENDER_RAYCAST_LOCAL_MAXIMUM_H
-#include "render/raycast/extremum.h"
+#ifndef VVI_RENDER_MARCH_LOCAL_MAXIMUM_H
+#define VVI_RENDER_MARCH_LOCAL_MAXIMUM_H
+#include "render/march/extremum.h"
 
 /** A ray is over when its best value is above the threshold and the value after it is smaller. */
 VV_INLINE vm local_sample(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,

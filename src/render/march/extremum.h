@@ -5,9 +5,9 @@
  * Samples lie at whole steps from where a ray enters, and where it leaves: a ray along an axis with steps of one voxel
  * meets every sample of the grid exactly. The smallest is found as the largest of the negated values.
  */
-#ifndef VVI_RENDER_RAYCAST_EXTREMUM_H
-#define VVI_RENDER_RAYCAST_EXTREMUM_H
-#include "render/raycast/composite.h"
+#ifndef VVI_RENDER_MARCH_EXTREMUM_H
+#define VVI_RENDER_MARCH_EXTREMUM_H
+#include "render/march/composite.h"
 
 typedef struct extremum_state {
     vf best, depth;

@@ -2,12 +2,12 @@
  * The ray caster's inner loops, built once per instruction set. A kernel fills one tile of the image; everything it
  * needs that does not depend on the pixel is in vvi_ray_setup.
  */
-#ifndef VVI_RENDER_RAYCAST_KERNELS_H
-#define VVI_RENDER_RAYCAST_KERNELS_H
+#ifndef VVI_RENDER_MARCH_KERNELS_H
+#define VVI_RENDER_MARCH_KERNELS_H
 #include "gfx/lamp.h"
 #include "grid/lattice.h"
-#include "render/common/skip.h"
-#include "render/raycast/parc.h"
+#include "render/march/parc.h"
+#include "render/march/skip.h"
 #include <math.h>
 #include <volvis/sys/scene.h>
 
@@ -98,7 +98,7 @@ enum {
     VVI_RAY_KERNELS
 };
 
-typedef struct vvi_raycast_kernels {
+typedef struct vvi_ray_kernels {
     uint32_t needs;
     const char *isa;
     int width; /**< lanes */
@@ -113,11 +113,11 @@ typedef struct vvi_raycast_kernels {
     void (*exp2)(float *restrict out, const float *x, size_t n);
     void (*log2)(float *restrict out, const float *x, size_t n);
     void (*rsqrt)(float *restrict out, const float *x, size_t n);
-} vvi_raycast_kernels;
+} vvi_ray_kernels;
 
 /** The best build for CPU bits (vvi_job_cpu), and the `index`-th of all that there are (NULL past the end): for tests.
  */
-const vvi_raycast_kernels *vvi_raycast_kernels_for(uint32_t cpu);
-const vvi_raycast_kernels *vvi_raycast_kernels_nth(size_t index);
+const vvi_ray_kernels *vvi_ray_kernels_for(uint32_t cpu);
+const vvi_ray_kernels *vvi_ray_kernels_nth(size_t index);
 
 #endif

@@ -6,9 +6,9 @@
  */
 #ifndef VVI_RENDER_TEXTURE_SIMD_H
 #define VVI_RENDER_TEXTURE_SIMD_H
-#include "render/common/lattice_simd.h"
 #include "render/common/texture.h"
-#include "render/raycast/raycast_kernels.h"
+#include "render/march/kernels.h"
+#include "render/march/lattice_simd.h"
 
 /** Colours of lanes m, at p in index space, `steps` steps beyond world distance t0 of each lane. */
 static __attribute__((noinline)) void texture_colors(vf rgb[3], const vvi_ray_setup *f, const vf3 *p,

@@ -1,11 +1,11 @@
 /* Every ray-casting kernel of one instruction set: the bodies of composite.h, extremum.h, average.h, local_maximum.h
  * and surface.h for each sample type. */
-#include "render/raycast/raycast_kernels.h"
-#include "render/raycast/average.h"
-#include "render/raycast/composite.h"
-#include "render/raycast/extremum.h"
-#include "render/raycast/local_maximum.h"
-#include "render/raycast/surface.h"
+#include "render/march/kernels.h"
+#include "render/march/average.h"
+#include "render/march/composite.h"
+#include "render/march/extremum.h"
+#include "render/march/local_maximum.h"
+#include "render/march/surface.h"
 
 typedef void packet_fn(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts);
 
@@ -136,8 +136,8 @@ static void rsqrt_points(float *restrict out, const float *x, size_t n)
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */
 extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);
-extern const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels);
-const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
+extern const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels);
+const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .needs = VV_ISA_NEEDS,
     .isa = VV_ISA_NAME,
     .width = VV_WIDTH,

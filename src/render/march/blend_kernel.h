@@ -2,10 +2,10 @@
  * What the general kernel of the ray caster gets: several volumes, each classified in its own way, blended along one
  * ray.
  */
-#ifndef VVI_RENDER_RAYCAST_BLEND_KERNEL_H
-#define VVI_RENDER_RAYCAST_BLEND_KERNEL_H
+#ifndef VVI_RENDER_MARCH_BLEND_KERNEL_H
+#define VVI_RENDER_MARCH_BLEND_KERNEL_H
 #include "render/common/transfer_plane.h"
-#include "render/raycast/raycast_kernels.h"
+#include "render/march/kernels.h"
 
 enum { VVI_BLEND_VOLUMES = 8 };
 

@@ -1,10 +1,10 @@
 /** @file
  * Places of values in the table of a classification. For kernels only.
  */
-#ifndef VVI_RENDER_RAYCAST_CLASSIFY_H
-#define VVI_RENDER_RAYCAST_CLASSIFY_H
+#ifndef VVI_RENDER_MARCH_CLASSIFY_H
+#define VVI_RENDER_MARCH_CLASSIFY_H
 #include "core/simd.h"
-#include "render/raycast/raycast_kernels.h"
+#include "render/march/kernels.h"
 
 /** Its whole part is the entry. */
 VV_INLINE vf entry_place(const vvi_ray_setup *f, vf value)

@@ -5,11 +5,11 @@
  * the last, shorter step has its own length. Blocks where nothing is visible are jumped, so that the samples taken are
  * the same with and without.
  */
-#ifndef VVI_RENDER_RAYCAST_COMPOSITE_H
-#define VVI_RENDER_RAYCAST_COMPOSITE_H
-#include "render/common/shade_simd.h"
-#include "render/raycast/classify.h"
-#include "render/raycast/entry.h"
+#ifndef VVI_RENDER_MARCH_COMPOSITE_H
+#define VVI_RENDER_MARCH_COMPOSITE_H
+#include "render/march/classify.h"
+#include "render/march/entry.h"
+#include "render/march/shade_simd.h"
 
 enum { QUEUE_BATCHES = 4, QUEUE_FULL = QUEUE_BATCHES * VV_WIDTH };
 
