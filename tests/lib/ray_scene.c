@@ -145,8 +145,7 @@ vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_ray_kernels *ke
     vvi_raycast_state *state = prepared;
     for (size_t i = 0; i < state->n_volumes; i++)
         state->volume[i].kernel = same_kernel(kernels, state->volume[i].kernel);
-    if (state->kernel)
-        state->kernel = kernels->blend;
+    state->kernels = kernels;
     assert_int_equal(vvi_renderer_raycast.render(state, &centres, &all, image, &counts, NULL), VV_OK);
     vvi_raycast_finish(state);
     return image;

@@ -14,22 +14,22 @@ typedef struct average_state {
     uint64_t samples;
 } average_state;
 
-VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,
-                              vf share, vm m)
+VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
+                              vf k, vf share, vm m)
 {
     const vf zero = vf_set1(0.0f);
-    vf value = sample_value(&f->lattice, type, nearest, packet_point(r, k), m);
+    vf value = sample_value(&f->sampler.lattice, type, nearest, packet_point(r, k), m);
     s->samples += (uint64_t)vm_count(m);
     m = vm_and(m, vf_eq(value - value, zero)); /* neither NaN nor infinite */
-    value = vf_select(m, (value - vf_set1(f->stored_zero)) * share, zero);
+    value = vf_select(m, (value - vf_set1(f->projection.stored_zero)) * share, zero);
     const vf add = value - s->lost, sum = s->sum + add;
     s->lost = (sum - s->sum) - add;
     s->sum = sum;
     s->length = s->length + vf_select(m, share, zero);
 }
 
-VV_INLINE void average_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
-                              vv_render_counts *counts)
+VV_INLINE void average_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,
+                              bool nearest, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
     average_state s = {zero, zero, zero, 0};
@@ -44,8 +44,8 @@ VV_INLINE void average_packet(const vvi_ray_setup *f, const packet *r, vm live, 
         average_sample(&s, r, f, type, nearest, vf_fma(rest, r->phase, whole), rest, more);
     counts->samples += s.samples;
     const vm found = vf_lt(zero, s.length);
-    const vf length = f->over_longest ? vf_set1(f->longest) : vf_select(found, s.length, one);
-    store_values(r, f, live, s.sum / length + vf_set1(f->stored_zero), found, vf_set1(-1.0f));
+    const vf length = f->projection.over_longest ? vf_set1(f->projection.longest) : vf_select(found, s.length, one);
+    store_values(out, r, f, at, s.sum / length + vf_set1(f->projection.stored_zero), found, vf_set1(-1.0f));
 }
 
 #endif

@@ -17,33 +17,16 @@ typedef struct blend_state {
     blend_part part[VVI_BLEND_VOLUMES];
     size_t n;
     double t0[VV_WIDTH]; /* world distance of step 0 */
-    int32_t x, y;        /* pixel of lane 0 */
     vm hit;
-    vf limit; /* steps until the last volume, or a surface, is left */
+    vf limit; /* steps until the last volume is left */
     vf rgb[3], transmittance;
     vf depth; /* step at which half of the light was gone; -1: not yet */
     uint64_t samples;
 } blend_state;
 
-VV_INLINE size_t behind_at(const blend_state *s, const vvi_blend_setup *f, int l)
-{
-    return (size_t)(s->y + l / PACKET_W - f->behind_y) * (size_t)f->behind_row +
-           (size_t)(s->x + l % PACKET_W - f->behind_x);
-}
-
-/* Distance of the surface behind each lane; INFINITY: none. */
-VV_INLINE void find_behind(double out[VV_WIDTH], const blend_state *s, const vvi_blend_setup *f, vm live)
-{
-    const uint32_t bits = vm_bits(live);
-    for (int l = 0; l < VV_WIDTH; l++)
-        out[l] = f->behind_depth && (bits >> l & 1) ? (double)f->behind_depth[behind_at(s, f, l)] : INFINITY;
-}
-
 /* Puts every volume's entry and exit in steps of the common lattice. */
-VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f, vm live)
+VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f)
 {
-    double behind[VV_WIDTH];
-    find_behind(behind, s, f, live);
     for (int l = 0; l < VV_WIDTH; l++)
         s->t0[l] = INFINITY;
     for (size_t i = 0; i < s->n; i++) {
@@ -56,15 +39,12 @@ VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f, vm live)
     s->hit = vm_none();
     for (size_t i = 0; i < s->n; i++) {
         blend_part *part = &s->part[i];
-        float first[VV_WIDTH], end[VV_WIDTH];
+        float first[VV_WIDTH];
         const uint32_t bits = vm_bits(part->r.hit);
-        for (int l = 0; l < VV_WIDTH; l++) {
-            const bool in = bits >> l & 1;
-            first[l] = in ? (float)((part->r.t0[l] - s->t0[l]) / f->step) : 0.0f;
-            end[l] = in ? (float)((behind[l] - s->t0[l]) / f->step) : 0.0f;
-        }
+        for (int l = 0; l < VV_WIDTH; l++)
+            first[l] = bits >> l & 1 ? (float)((part->r.t0[l] - s->t0[l]) / f->step) : 0.0f;
         part->first = vf_load(first);
-        part->last = vf_select(part->r.hit, vf_min(part->first + part->r.n, vf_load(end)), part->first);
+        part->last = vf_select(part->r.hit, part->first + part->r.n, part->first);
         part->look = vf_set1(0.0f);
         part->busy = vm_none();
         part->known_at = vf_set1(-1.0f);
@@ -74,16 +54,14 @@ VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f, vm live)
     }
 }
 
-VV_INLINE void blend_begin(blend_state *s, const vvi_blend_setup *f, int32_t x, int32_t y, vm live)
+VV_INLINE void blend_begin(blend_state *s, const vvi_blend_setup *f, const vvi_rays *rays, size_t at)
 {
     s->n = f->n_volumes;
-    s->x = x;
-    s->y = y;
     for (size_t i = 0; i < s->n; i++) {
         s->part[i].volume = &f->volume[i];
-        packet_begin(&s->part[i].r, &f->volume[i].ray, x, y, live);
+        packet_begin(&s->part[i].r, &f->volume[i].ray, rays, at);
     }
-    blend_align(s, f, live);
+    blend_align(s, f);
     s->rgb[0] = s->rgb[1] = s->rgb[2] = vf_set1(0.0f);
     s->transmittance = vf_set1(1.0f);
     s->depth = vf_set1(-1.0f);
@@ -102,7 +80,7 @@ VV_INLINE blend_span find_span(const blend_part *p, vf k)
 /** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
 VV_INLINE void blend_look(blend_part *p, vf k, vm run)
 {
-    const vvi_ray_setup *f = &p->volume->ray;
+    const vvi_march_volume *f = &p->volume->ray;
     const vm due = vm_and(run, vf_le(p->look, k));
     if (!vm_any(due))
         return;
@@ -116,7 +94,7 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     vf look = vf_select(before, vf_max(near, next), vf_set1(NEVER));
     vm busy = inside;
     vf leave = vf_max(vf_floor(vf_min(p->last, far)), next);
-    if (f->reach && vm_any(inside)) {
+    if (f->skipper.reach && vm_any(inside)) {
         /* blocks of an integrated volume speak for all within a step of them, so its front decides */
         const vf middle = p->volume->classify == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
         const vf at = vf_fma(b.to - b.from, middle, b.from) - p->first;
@@ -211,38 +189,25 @@ VV_INLINE void blend_march(blend_state *s, const vvi_blend_setup *f)
     }
 }
 
-/* Over what lies behind, to the image. */
-VV_INLINE void blend_store(const blend_state *s, const vvi_blend_setup *f, vm live)
+VV_INLINE void blend_store(vvi_sink *out, const blend_state *s, const vvi_blend_setup *f, size_t at)
 {
-    float c[3][VV_WIDTH], through[VV_WIDTH], depth[VV_WIDTH];
+    float depth[VV_WIDTH];
     for (int i = 0; i < 3; i++)
-        vf_store(c[i], s->rgb[i]);
-    vf_store(through, s->transmittance);
+        vf_store(out->rgb[i] + at, s->rgb[i]);
+    vf_store(out->through + at, s->transmittance);
     vf_store(depth, s->depth);
-    const uint32_t bits = vm_bits(live);
-    for (int l = 0; l < VV_WIDTH; l++) {
-        if (!(bits >> l & 1))
-            continue;
-        const size_t at = (size_t)(s->y + l / PACKET_W) * (size_t)f->row + (size_t)(s->x + l % PACKET_W);
-        const float *behind = f->behind_rgba ? f->behind_rgba + behind_at(s, f, l) * 4 : NULL;
-        for (int i = 0; i < 3; i++)
-            f->rgba[at * 4 + (size_t)i] = c[i][l] + (behind ? through[l] * behind[i] : 0.0f);
-        f->rgba[at * 4 + 3] = 1.0f - through[l] * (behind ? 1.0f - behind[3] : 1.0f);
-        if (f->depth)
-            f->depth[at] = depth[l] >= 0     ? (float)(s->t0[l] + (double)depth[l] * f->step)
-                           : f->behind_depth ? f->behind_depth[behind_at(s, f, l)]
-                                             : INFINITY;
-    }
+    for (int l = 0; l < VV_WIDTH; l++)
+        out->depth[at + (size_t)l] = depth[l] < 0 ? INFINITY : (float)(s->t0[l] + (double)depth[l] * f->step);
 }
 
-VV_INLINE void blend_packet(const vvi_blend_setup *f, int32_t x, int32_t y, vm live, vv_render_counts *counts)
+VV_INLINE void blend_packet(vvi_sink *out, const vvi_blend_setup *f, const vvi_rays *rays, size_t at,
+                            vv_render_counts *counts)
 {
     blend_state s;
-    blend_begin(&s, f, x, y, live);
+    blend_begin(&s, f, rays, at);
     blend_march(&s, f);
-    counts->rays += (uint64_t)vm_count(live);
     counts->samples += s.samples;
-    blend_store(&s, f, live);
+    blend_store(out, &s, f, at);
 }
 
 #endif

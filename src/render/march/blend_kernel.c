@@ -3,24 +3,22 @@
 #include "render/march/blend.h"
 #include "render/march/surface_cubic.h"
 
-extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile);
-extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);
+extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays);
+extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_rays);
 
-void VV_KERNEL_TABLE(vvi_blend_tile)(const vvi_blend_setup *f, const vv_tile *tile, vv_render_counts *counts)
+void VV_KERNEL_TABLE(vvi_blend_rays)(vvi_sink *out, const vvi_blend_setup *f, const vvi_rays *rays,
+                                     vv_render_counts *counts)
 {
-    for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
-        for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W)
-            blend_packet(f, x, y, packet_lanes(tile, x, y), counts);
+    for (size_t at = 0; at < rays->n; at += VV_WIDTH)
+        blend_packet(out, f, rays, at, counts);
 }
 
-void VV_KERNEL_TABLE(vvi_cubic_tile)(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts)
+void VV_KERNEL_TABLE(vvi_cubic_rays)(vvi_sink *out, const vvi_march_volume *f, const vvi_rays *rays,
+                                     vv_render_counts *counts)
 {
-    for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
-        for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W) {
-            packet r;
-            const vm live = packet_lanes(tile, x, y);
-            packet_begin(&r, f, x, y, live);
-            counts->rays += (uint64_t)vm_count(live);
-            surface_cubic_packet(f, &r, live, counts);
-        }
+    for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
+        packet r;
+        packet_begin(&r, f, rays, at);
+        surface_cubic_packet(out, f, &r, at, counts);
+    }
 }

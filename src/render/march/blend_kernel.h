@@ -37,8 +37,8 @@ typedef struct vvi_blend_paint {
 
 /** One volume of a blend. */
 typedef struct vvi_blend_volume {
-    vvi_ray_setup ray;   /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
-    bool nearest, cubic; /**< cubic: the lattice has coefficients (cubic_spline.h) */
+    vvi_march_volume ray; /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
+    bool nearest, cubic;  /**< cubic: the lattice has coefficients (cubic_spline.h) */
     int classify;
     vvi_blend_paint paint;
     /* integrated: place = stored * row_scale + row_shift; row i holds for places from i to i + 1, the first and the
@@ -61,12 +61,6 @@ typedef struct vvi_blend_setup {
     size_t n_volumes; /**< at least 1; all have the same view, step and `opaque` */
     double step;
     float opaque; /**< a ray ends when less transmittance than this is left */
-    /** Surfaces that the volumes are seen with, drawn before: opaque where the depth is finite. Pixel (x, y) of the
-     * image is at (y - behind_y) * behind_row + x - behind_x. NULL: none. */
-    const float *behind_rgba, *behind_depth;
-    int32_t behind_x, behind_y, behind_row;
-    int32_t row;         /**< pixels from one row of the image to the next */
-    float *rgba, *depth; /**< out: rows of `row` pixels; depth may be NULL */
 } vvi_blend_setup;
 
 #endif

@@ -43,10 +43,10 @@ VV_INLINE vf volume_value(const vvi_blend_volume *v, const vf3 *p, vm m)
     if (v->cubic) {
         vf value;
         vf3 unused;
-        cubic_sample(&value, &unused, &v->ray.lattice, p, m);
+        cubic_sample(&value, &unused, &v->ray.sampler.lattice, p, m);
         return value;
     }
-    return v->nearest ? value_nearest(&v->ray.lattice, p, m) : value_linear(&v->ray.lattice, p, m);
+    return v->nearest ? value_nearest(&v->ray.sampler.lattice, p, m) : value_linear(&v->ray.sampler.lattice, p, m);
 }
 
 /** In the world, as the light wants it. */
@@ -55,10 +55,10 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
     vf3 g;
     if (v->cubic) {
         vf unused;
-        cubic_sample(&unused, &g, &v->ray.lattice, p, m);
+        cubic_sample(&unused, &g, &v->ray.sampler.lattice, p, m);
     } else {
-        const cell_at c = find_gradient_cell(&v->ray.lattice, v->nearest, *p);
-        gradient_in_cell(&g, &v->ray.lattice, v->ray.cell_gradient, &c, m);
+        const cell_at c = find_gradient_cell(&v->ray.sampler.lattice, v->nearest, *p);
+        gradient_in_cell(&g, &v->ray.sampler.lattice, v->ray.sampler.cell_gradient, &c, m);
     }
     return world_gradient(&v->ray, g);
 }
@@ -66,12 +66,12 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
 /** The table's colour and optical depth of a full step, times `share`. */
 VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
-    const vvi_ray_setup *f = &v->ray;
+    const vvi_march_volume *f = &v->ray;
     m = vm_and(m, is_number(value));
     const vi at = vi_shl(find_entry(f, value, m), 2);
-    s->depth = vf_gather4(f->color + 3, at, m) * share;
+    s->depth = vf_gather4(f->classifier.color + 3, at, m) * share;
     for (int c = 0; c < 3; c++)
-        s->rgb[c] = vf_gather4(f->color + c, at, m);
+        s->rgb[c] = vf_gather4(f->classifier.color + c, at, m);
 }
 
 /** Where a value stands among the rows of the integrals. */
@@ -94,17 +94,17 @@ VV_INLINE row_place find_row(const vvi_blend_volume *v, vf value)
 /** Where a value stays within a row that is too steep for one mean, what it is seen as: the table's finer rows. */
 VV_INLINE void in_steep_row(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
-    const vvi_ray_setup *f = &v->ray;
+    const vvi_march_volume *f = &v->ray;
     const vf place = entry_place(f, value);
     const vi entry = vi_trunc(place);
-    const vf alpha = vf_gather4(f->alpha, entry, m);
+    const vf alpha = vf_gather4(f->classifier.alpha, entry, m);
     const vm split = vm_and(m, vf_lt(vf_set1(1.0f), alpha));
     if (!vm_any(split))
         return;
     const vi at = vi_shl(split_entry(f, place, entry, alpha, split), 2);
-    s->depth = vf_select(split, vf_gather4(f->color + 3, at, split) * share, s->depth);
+    s->depth = vf_select(split, vf_gather4(f->classifier.color + 3, at, split) * share, s->depth);
     for (int c = 0; c < 3; c++)
-        s->rgb[c] = vf_select(split, vf_gather4(f->color + c, at, split), s->rgb[c]);
+        s->rgb[c] = vf_select(split, vf_gather4(f->classifier.color + c, at, split), s->rgb[c]);
 }
 
 /**
@@ -190,7 +190,7 @@ OUT_OF_LINE void classify_by_plane(blend_sample *s, const vvi_blend_volume *v, c
 
 OUT_OF_LINE void classify_label(blend_sample *s, const vvi_blend_volume *v, const vf3 *p, vf share, vm m)
 {
-    s->label = winning_label(&v->ray.lattice, p, m);
+    s->label = winning_label(&v->ray.sampler.lattice, p, m);
     look_up(s, v, s->label, share, m);
 }
 
@@ -223,7 +223,7 @@ VV_INLINE vf3 classified_gradient(const blend_sample *s, const vvi_blend_volume 
     if (v->classify != VVI_CLASSIFY_LABELS)
         return volume_gradient(v, p, m);
     vf3 g;
-    label_gradient(&g, &v->ray.lattice, p, &s->label, m);
+    label_gradient(&g, &v->ray.sampler.lattice, p, &s->label, m);
     return world_gradient(&v->ray, vf3_scale(g, vf_set1(v->label_range)));
 }
 
@@ -238,12 +238,12 @@ OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *a
         paint_map(s->rgb, &v->paint, &point, m);
     if (v->ray.texture)
         texture_colors(s->rgb, &v->ray, &point, p->r.t0, *at, m);
-    if (!v->ray.shaded && !(v->modulate_power > 0))
+    if (!v->ray.light.shaded && !(v->modulate_power > 0))
         return;
     const vf3 gradient = classified_gradient(s, v, &point, m);
     if (v->modulate_power > 0)
         s->depth = vf_select(m, s->depth * modulation(v, gradient), s->depth);
-    if (v->ray.shaded)
+    if (v->ray.light.shaded)
         shade(&v->ray, point, p->r.direction, cap_gradient(gradient, &p->r, &v->ray, *at, own_lanes(), m), false,
               s->rgb);
 }
@@ -256,7 +256,7 @@ VV_INLINE void sample_volume(blend_sample *s, blend_part *p, const blend_span *s
     classify(s, p, span, middle, m);
     s->depth = vf_select(m, s->depth, vf_set1(0.0f));
     const vm seen = vf_lt(vf_set1(0.0f), s->depth);
-    const bool more = v->ray.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE || v->ray.texture;
+    const bool more = v->ray.light.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE || v->ray.texture;
     if (more && vm_any(seen))
         finish_sample(s, p, &middle, seen);
 }

@@ -26,7 +26,7 @@ typedef struct light_queue {
 } light_queue;
 
 /** Gives colour to all that wait. */
-typedef void light_fn(light_queue *q, const packet *r, const vvi_ray_setup *f);
+typedef void light_fn(light_queue *q, const packet *r, const vvi_march_volume *f);
 
 typedef struct composite_state {
     vf rgb[3], transmittance;
@@ -41,10 +41,10 @@ VV_INLINE vf3 permuted(vf3 a, vi lane)
 }
 
 /** Colour of the samples from `at` on, at most one a lane. */
-VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_ray_setup *f,
+VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_march_volume *f,
                            int type, bool nearest, int at)
 {
-    const vvi_lattice *g = &f->lattice;
+    const vvi_lattice *g = &f->sampler.lattice;
     const int n = q->n - at < VV_WIDTH ? q->n - at : VV_WIDTH;
     const vm m = vm_first_n((uint64_t)n);
     const vi lane = vi_load(q->lane + at), row = vi_shl(vi_load(q->entry + at), 2);
@@ -53,16 +53,16 @@ VV_INLINE void light_batch(float *const part[3], const light_queue *q, const pac
     const vf3 p = vf3_set(vf_fma(k, delta.x, start.x), vf_fma(k, delta.y, start.y), vf_fma(k, delta.z, start.z));
     vf rgb[3];
     for (int c = 0; c < 3; c++)
-        rgb[c] = vf_gather4(f->color + c, row, m);
+        rgb[c] = vf_gather4(f->classifier.color + c, row, m);
     const cell_at cell = find_gradient_cell(g, nearest, p);
-    vf3 gradient = world_gradient(f, gradient_by(f->cell_gradient, g, type, &cell, m));
+    vf3 gradient = world_gradient(f, gradient_by(f->sampler.cell_gradient, g, type, &cell, m));
     gradient = cap_gradient(gradient, r, f, k, lane, m);
     shade(f, p, permuted(r->direction, lane), gradient, false, rgb);
     for (int c = 0; c < 3; c++)
         vf_store(part[c] + at, rgb[c] * weight);
 }
 
-VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
+VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_march_volume *f, int type, bool nearest)
 {
     float red[QUEUE_FULL + 2 * VV_WIDTH], green[QUEUE_FULL + 2 * VV_WIDTH], blue[QUEUE_FULL + 2 * VV_WIDTH];
     memset(red, 0, sizeof red); /* lanes without a sample read what lies behind the last */
@@ -93,17 +93,17 @@ VV_INLINE void queue_push(light_queue *q, vf k, vi entry, vf weight, vm m)
 
 /** One sample of every lane in m, k steps from entry; share: how much of a full step it stands for (1 for all but the
  * last). */
-VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest,
+VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
                                 light_fn *light, vf k, bool partial, vf share, vm m)
 {
     const vf3 p = packet_point(r, k);
-    const vf value = sample_value(&f->lattice, type, nearest, p, m);
+    const vf value = sample_value(&f->sampler.lattice, type, nearest, p, m);
     if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
         m = vm_and(m, is_number(value));
     }
     const vf place = entry_place(f, value);
     vi entry = vi_trunc(place);
-    vf alpha = vf_gather4(f->alpha, entry, m);
+    vf alpha = vf_gather4(f->classifier.alpha, entry, m);
     vm seen = vf_lt(vf_set1(0.0f), alpha);
     s->samples += (uint64_t)vm_count(m);
     if (!vm_any(seen))
@@ -111,13 +111,13 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     const vm split = vf_lt(vf_set1(1.0f), alpha);
     if (vm_any(split)) {
         entry = split_entry(f, place, entry, alpha, split);
-        alpha = vf_gather4(f->alpha, entry, seen);
+        alpha = vf_gather4(f->classifier.alpha, entry, seen);
         seen = vf_lt(vf_set1(0.0f), alpha);
         if (!vm_any(seen))
             return;
     }
     if (partial) { /* from the optical depth: the table's alpha is rounded too near 1 to be scaled */
-        const vf depth = vf_gather4(f->color + 3, vi_shl(entry, 2), seen) * share;
+        const vf depth = vf_gather4(f->classifier.color + 3, vi_shl(entry, 2), seen) * share;
         alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(vf_set1(0.0f) - depth), vf_set1(0.0f));
     }
     const vf weight = alpha * s->transmittance;
@@ -128,7 +128,7 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     } else {
         const vi at = vi_shl(entry, 2);
         for (int c = 0; c < 3; c++)
-            s->rgb[c] = vf_fma(weight, vf_gather4(f->color + c, at, seen), s->rgb[c]);
+            s->rgb[c] = vf_fma(weight, vf_gather4(f->classifier.color + c, at, seen), s->rgb[c]);
     }
     s->transmittance = s->transmittance - weight;
     const vm halved = vm_and(vf_lt(s->depth, vf_set1(0.0f)), vf_lt(s->transmittance, vf_set1(0.5f)));
@@ -137,13 +137,13 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
 
 /** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step, which is `share` of one long.
  */
-VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest,
+VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
                                light_fn *light, vf k, vf limit, vf middle, bool partial, vf share, vm run)
 {
     const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
     while (vm_any(run)) {
         vf leave = vf_set1(1e30f);
-        if (f->reach) {
+        if (f->skipper.reach) {
             const block_at b = find_block(f, nearest, packet_point(r, k + middle));
             vm empty;
             const vi reach = look_at_blocks(f, &b, run, &empty);
@@ -164,8 +164,8 @@ VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ra
     }
 }
 
-VV_INLINE void composite_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
-                                light_fn *light, vv_render_counts *counts)
+VV_INLINE void composite_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,
+                                bool nearest, light_fn *light, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
     composite_state s;
@@ -196,8 +196,7 @@ VV_INLINE void composite_packet(const vvi_ray_setup *f, const packet *r, vm live
             s.rgb[c] = s.queue.rgb[c];
     }
     counts->samples += s.samples;
-    const vf rgba[4] = {s.rgb[0], s.rgb[1], s.rgb[2], one - s.transmittance};
-    packet_store(r, f, live, rgba, s.depth);
+    packet_store(out, r, f, at, s.rgb, s.transmittance, s.depth);
 }
 
 #endif

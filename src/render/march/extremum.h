@@ -14,10 +14,11 @@ typedef struct extremum_state {
     uint64_t samples;
 } extremum_state;
 
-VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest, vf k,
-                               vm m)
+VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
+                               vf k, vm m)
 {
-    const vf value = sample_value(&f->lattice, type, nearest, packet_point(r, k), m) * vf_set1(f->sign);
+    const vf value =
+        sample_value(&f->sampler.lattice, type, nearest, packet_point(r, k), m) * vf_set1(f->projection.sign);
     const vm more = vm_and(m, vf_lt(s->best, value)); /* false for NaN */
     s->best = vf_select(more, value, s->best);
     s->depth = vf_select(more, k, s->depth);
@@ -27,7 +28,7 @@ VV_INLINE void extremum_sample(extremum_state *s, const packet *r, const vvi_ray
 /* Where blocks turn out to be of use, the next ones are taken on trust: a look costs as much as a sample. */
 enum { MOST_TRUST = 4 };
 
-VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
+VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest)
 {
     const vf one = vf_set1(1.0f);
     const vi alone = vi_set1(1);
@@ -36,9 +37,9 @@ VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_
     vm run = r->hit;
     while (vm_any(run)) {
         vf leave = vf_set1(1e30f);
-        if (f->block_bound) {
+        if (f->skipper.block_bound) {
             const block_at b = find_block(f, nearest, packet_point(r, k));
-            const vf most = vf_gather4(f->block_bound, b.index, run) * vf_set1(f->sign);
+            const vf most = vf_gather4(f->skipper.block_bound, b.index, run) * vf_set1(f->projection.sign);
             const vm useless = vm_and(run, vf_le(most, s->best));
             trust = vi_select(useless, alone, trust);
             leave = sample_after(k, block_exit(r, f, nearest, &b, trust), vf_set1(0.0f));
@@ -59,25 +60,25 @@ VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_
 }
 
 /** The table's colour for one value of each ray (stored numbers), and where it was found. */
-VV_INLINE void store_values(const packet *r, const vvi_ray_setup *f, vm live, vf value, vm found, vf depth)
+VV_INLINE void store_values(vvi_sink *out, const packet *r, const vvi_march_volume *f, size_t to, vf value, vm found,
+                            vf depth)
 {
     const vi at = vi_shl(find_entry(f, value, found), 2);
-    vf rgba[4];
+    vf rgb[3];
     for (int c = 0; c < 3; c++)
-        rgba[c] = vf_gather4(f->color + c, at, found);
-    rgba[3] = vf_select(found, vf_set1(1.0f), vf_set1(0.0f));
-    packet_store(r, f, live, rgba, depth);
+        rgb[c] = vf_gather4(f->classifier.color + c, at, found);
+    packet_store(out, r, f, to, rgb, vf_select(found, vf_set1(0.0f), vf_set1(1.0f)), depth);
 }
 
-VV_INLINE void extremum_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
-                               vv_render_counts *counts)
+VV_INLINE void extremum_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,
+                               bool nearest, vv_render_counts *counts)
 {
     const vf none = vf_set1(-INFINITY);
     extremum_state s = {none, vf_set1(-1.0f), 0};
     if (vm_any(r->hit))
         extremum_march(&s, r, f, type, nearest);
     counts->samples += s.samples;
-    store_values(r, f, live, s.best * vf_set1(f->sign), vf_lt(none, s.best), s.depth);
+    store_values(out, r, f, at, s.best * vf_set1(f->projection.sign), vf_lt(none, s.best), s.depth);
 }
 
 #endif

@@ -4,50 +4,50 @@
 #include "render/march/average.h"
 #include "render/march/composite.h"
 #include "render/march/extremum.h"
+#include "render/march/eye.h"
 #include "render/march/local_maximum.h"
 #include "render/march/surface.h"
 
-typedef void packet_fn(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts);
+typedef void packet_fn(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, vv_render_counts *counts);
 
-VV_INLINE void each_packet(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts, packet_fn *fn)
+VV_INLINE void each_packet(vvi_sink *out, const vvi_march_volume *f, const vvi_rays *rays, vv_render_counts *counts,
+                           packet_fn *fn)
 {
-    for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
-        for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W) {
-            packet r;
-            const vm live = packet_lanes(tile, x, y);
-            packet_begin(&r, f, x, y, live);
-            counts->rays += (uint64_t)vm_count(live);
-            fn(f, &r, live, counts);
-        }
+    for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
+        packet r;
+        packet_begin(&r, f, rays, at);
+        fn(out, f, &r, at, counts);
+    }
 }
 
 /* name, what one packet does */
 #define KERNEL(name, call)                                                                                             \
-    static void name##_packet(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts)              \
+    static void name##_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at,                    \
+                              vv_render_counts *counts)                                                                \
     {                                                                                                                  \
         call;                                                                                                          \
     }                                                                                                                  \
-    static void name(const vvi_ray_setup *f, const vv_tile *tile, vv_render_counts *counts)                            \
+    static void name(vvi_sink *out, const vvi_march_volume *f, const vvi_rays *rays, vv_render_counts *counts)         \
     {                                                                                                                  \
-        each_packet(f, tile, counts, name##_packet);                                                                   \
+        each_packet(out, f, rays, counts, name##_packet);                                                              \
     }
 
 /* Out of line: it is called from two places, and leaves the marching loop its registers. */
 #define LIGHT(name, type)                                                                                              \
-    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_ray_setup *f)                \
+    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_march_volume *f)             \
     {                                                                                                                  \
-        light_all(q, r, f, type, f->nearest);                                                                          \
+        light_all(q, r, f, type, f->sampler.nearest);                                                                  \
     }
 
 /* Whether samples are the nearest is asked at run time: it is always the same answer, and half the program to build. */
 #define KERNELS_OF_TYPE(t, type)                                                                                       \
     LIGHT(light_##t, type)                                                                                             \
-    KERNEL(composite_##t, composite_packet(f, r, live, type, f->nearest, NULL, counts))                                \
-    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, f->nearest, light_##t, counts))                    \
-    KERNEL(extremum_##t, extremum_packet(f, r, live, type, f->nearest, counts))                                        \
-    KERNEL(average_##t, average_packet(f, r, live, type, f->nearest, counts))                                          \
-    KERNEL(local_##t, local_packet(f, r, live, type, f->nearest, counts))                                              \
-    KERNEL(surface_##t, surface_packet(f, r, live, type, f->nearest, counts))
+    KERNEL(composite_##t, composite_packet(out, f, r, at, type, f->sampler.nearest, NULL, counts))                     \
+    KERNEL(composite_shaded_##t, composite_packet(out, f, r, at, type, f->sampler.nearest, light_##t, counts))         \
+    KERNEL(extremum_##t, extremum_packet(out, f, r, at, type, f->sampler.nearest, counts))                             \
+    KERNEL(average_##t, average_packet(out, f, r, at, type, f->sampler.nearest, counts))                               \
+    KERNEL(local_##t, local_packet(out, f, r, at, type, f->sampler.nearest, counts))                                   \
+    KERNEL(surface_##t, surface_packet(out, f, r, at, type, f->sampler.nearest, counts))
 
 KERNELS_OF_TYPE(u8, VVI_SAMPLE_U8)
 KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
@@ -129,13 +129,18 @@ static void rsqrt_points(float *restrict out, const float *x, size_t n)
     map_points(out, x, n, vf_rsqrt);
 }
 
+static void eye(vvi_rays *out, const vvi_eye *e, const vv_tile *tile)
+{
+    eye_rays(out, e, tile);
+}
+
 #define BY_TYPE(name)                                                                                                  \
     {                                                                                                                  \
         name##_u8, name##_u16, name##_i16, name##_f32, name##_wide                                                     \
     }
 
-extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */
-extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);
+extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays); /* blend_kernel.c */
+extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_rays);
 extern const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels);
 const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -147,8 +152,9 @@ const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
            [VVI_RAY_AVERAGE] = BY_TYPE(average),
            [VVI_RAY_LOCAL_MAXIMUM] = BY_TYPE(local),
            [VVI_RAY_SURFACE] = BY_TYPE(surface)},
-    .blend = VV_KERNEL_TABLE(vvi_blend_tile),
-    .surface_cubic = VV_KERNEL_TABLE(vvi_cubic_tile),
+    .eye = eye,
+    .blend = VV_KERNEL_TABLE(vvi_blend_rays),
+    .surface_cubic = VV_KERNEL_TABLE(vvi_cubic_rays),
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,

@@ -1,25 +1,10 @@
 /** @file
- * A packet of rays, one a lane: set up from the lens, clipped to the volume, marched through blocks. For kernels only.
+ * A packet of rays, one a lane: taken from a batch, clipped to the volume, marched through blocks. For kernels only.
  */
 #ifndef VVI_RENDER_MARCH_PACKET_H
 #define VVI_RENDER_MARCH_PACKET_H
 #include "render/march/kernels.h"
 #include "render/march/lattice_simd.h"
-
-/* A packet covers PACKET_W x PACKET_H pixels. */
-#if VV_WIDTH == 16
-#define PACKET_W 4
-#define PACKET_H 4
-#elif VV_WIDTH == 8
-#define PACKET_W 4
-#define PACKET_H 2
-#elif VV_WIDTH == 4
-#define PACKET_W 2
-#define PACKET_H 2
-#else
-#define PACKET_W 1
-#define PACKET_H 1
-#endif
 
 /** p(k) = start + k * delta in index space, k in steps from where the ray enters; n steps until it leaves. */
 typedef struct packet {
@@ -29,33 +14,10 @@ typedef struct packet {
     vf first, last; /* steps before and after which nothing is visible: 0 <= first, last <= n */
     vf phase;       /* where in each step its sample lies, 0 to 1 */
     vf3 direction;  /* world, unit */
-    double t0[VV_WIDTH], origin[3][VV_WIDTH], dir[3][VV_WIDTH];
+    double t0[VV_WIDTH];
+    const double *origin[3], *dir[3]; /* of the batch, lane 0 */
     vm hit;
-    int32_t x, y; /* pixel of lane 0 */
 } packet;
-
-VV_INLINE void packet_rays(packet *r, const vvi_ray_setup *f)
-{
-    const vv_lens *lens = &f->lens;
-    for (int l = 0; l < VV_WIDTH; l++) {
-        const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
-        const double u = ((column * f->stride + f->pixel_x) / f->width * 2 - 1) * lens->half_width;
-        const double v = (1 - (row * f->stride + f->pixel_y) / f->height * 2) * lens->half_height;
-        const double px = lens->right.x * u + lens->up.x * v;
-        const double py = lens->right.y * u + lens->up.y * v;
-        const double pz = lens->right.z * u + lens->up.z * v;
-        const double spread = lens->parallel ? 0 : 1, shift = lens->parallel ? 1 : 0;
-        const double dx = lens->forward.x + px * spread, dy = lens->forward.y + py * spread;
-        const double dz = lens->forward.z + pz * spread;
-        const double s = 1 / sqrt(dx * dx + dy * dy + dz * dz);
-        r->dir[0][l] = dx * s;
-        r->dir[1][l] = dy * s;
-        r->dir[2][l] = dz * s;
-        r->origin[0][l] = lens->eye.x + px * shift;
-        r->origin[1][l] = lens->eye.y + py * shift;
-        r->origin[2][l] = lens->eye.z + pz * shift;
-    }
-}
 
 /* Entry and exit distance for one pair of parallel planes or one half-space, tightened lane by lane. A ray along the
  * planes stays in or out: the division by a signed tiny number puts both crossings at the right infinity. */
@@ -83,38 +45,25 @@ VV_INLINE void clip_plane(double *restrict t0, double *restrict t1, const packet
     }
 }
 
-/* The cell of PARC's buffer that a ray passes through; false where it passes beside the image. */
-VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_setup *f, int l)
-{
-    const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
-    const double x = column * f->stride + f->pixel_x, y = row * f->stride + f->pixel_y;
-    if (!(x >= 0 && y >= 0 && x < f->width && y < f->height))
-        return false;
-    *out = (size_t)((int32_t)y >> VVI_PARC_SHIFT) * (size_t)f->parc->width + (size_t)((int32_t)x >> VVI_PARC_SHIFT);
-    return true;
-}
-
 /* Between which steps a ray can meet something visible. */
-VV_INLINE void packet_bound(packet *r, const vvi_ray_setup *f)
+VV_INLINE void packet_bound(packet *r, const vvi_march_volume *f, const int32_t cell[VV_WIDTH])
 {
-    const vvi_parc *p = f->parc;
-    const vv_vec3 forward = f->lens.forward;
+    const vvi_parc *p = f->skipper.parc;
     float first[VV_WIDTH], last[VV_WIDTH];
     r->first = vf_set1(0.0f);
     r->last = r->n;
     if (!p)
         return;
     for (int l = 0; l < VV_WIDTH; l++) {
-        size_t at;
         first[l] = 0;
         last[l] = INFINITY;
-        if (!find_parc_cell(&at, r, f, l))
+        if (cell[l] < 0)
             continue;
         /* depth to distance along this ray: 1 / cosine to the axis of the lens */
-        const double cosine = r->dir[0][l] * forward.x + r->dir[1][l] * forward.y + r->dir[2][l] * forward.z;
+        const double cosine = r->dir[0][l] * p->forward.x + r->dir[1][l] * p->forward.y + r->dir[2][l] * p->forward.z;
         const double steps = 1 / (cosine * f->step), begin = r->t0[l] / f->step;
-        first[l] = (float)((p->origin + (double)p->near[at]) * steps - begin);
-        last[l] = (float)((p->origin + (double)p->far[at]) * steps - begin);
+        first[l] = (float)((p->origin + (double)p->near[cell[l]]) * steps - begin);
+        last[l] = (float)((p->origin + (double)p->far[cell[l]]) * steps - begin);
     }
     /* a step more on both sides: what single precision loses of the numbers of steps; there are less than 2^24 */
     r->first = vf_floor(vf_clamp(vf_load(first), vf_set1(1.0f), vf_set1(16777216.0f))) - vf_set1(1.0f);
@@ -127,41 +76,36 @@ VV_INLINE vm packet_promising(const packet *r)
     return vm_and(r->hit, vf_lt(r->first, r->last));
 }
 
-VV_INLINE vf find_phases(const packet *r, const vvi_ray_setup *f)
+/** Lanes whose ray is somebody's. */
+VV_INLINE vm packet_lanes(const vvi_rays *rays, size_t at)
 {
-    float phase[VV_WIDTH];
-    if (!f->jitter)
-        return vf_set1(0.5f);
-    for (int l = 0; l < VV_WIDTH; l++) { /* by the pixel of the scene, whatever part of it the image is */
-        const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
-        phase[l] = vvi_ray_phase((int32_t)floor(column * f->stride + f->pixel_x),
-                                 (int32_t)floor(row * f->stride + f->pixel_y), f->jitter_seed);
-    }
-    return vf_load(phase);
+    return vi_lt(vi_set1(-1), vi_load(rays->pixel + at));
 }
 
-/** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
-static __attribute__((noinline)) void packet_begin(packet *r, const vvi_ray_setup *f, int32_t x, int32_t y, vm live)
+/** Rays of the batch from `at` on, clipped to the volume's domain, the cut planes and the ray's own range. */
+static __attribute__((noinline)) void packet_begin(packet *r, const vvi_march_volume *f, const vvi_rays *rays,
+                                                   size_t at)
 {
     double t0[VV_WIDTH], t1[VV_WIDTH], io[3][VV_WIDTH], id[3][VV_WIDTH];
     float start[3][VV_WIDTH], delta[3][VV_WIDTH], inverse[3][VV_WIDTH], n[VV_WIDTH], dir[3][VV_WIDTH];
-    r->x = x;
-    r->y = y;
-    packet_rays(r, f);
+    for (int a = 0; a < 3; a++) {
+        r->origin[a] = rays->origin[a] + at;
+        r->dir[a] = rays->direction[a] + at;
+    }
     for (int l = 0; l < VV_WIDTH; l++) {
-        t0[l] = 0;
-        t1[l] = INFINITY;
+        t0[l] = rays->near[at + (size_t)l];
+        t1[l] = rays->far[at + (size_t)l];
     }
     for (int a = 0; a < 3; a++) {
-        const double *m = f->world_to_index[a];
+        const double *m = f->sampler.world_to_index[a];
         for (int l = 0; l < VV_WIDTH; l++) {
             io[a][l] = m[0] * r->origin[0][l] + m[1] * r->origin[1][l] + m[2] * r->origin[2][l] + m[3];
             id[a][l] = m[0] * r->dir[0][l] + m[1] * r->dir[1][l] + m[2] * r->dir[2][l];
         }
-        clip_slab(t0, t1, io[a], id[a], f->lo[a], f->hi[a]);
+        clip_slab(t0, t1, io[a], id[a], f->sampler.lo[a], f->sampler.hi[a]);
     }
-    for (size_t p = 0; p < f->n_planes; p++)
-        clip_plane(t0, t1, r, f->planes[p]);
+    for (size_t p = 0; p < f->sampler.n_planes; p++)
+        clip_plane(t0, t1, r, f->sampler.planes[p]);
     for (int l = 0; l < VV_WIDTH; l++) {
         const bool in = t1[l] > t0[l];
         const double from = in ? t0[l] : 0;
@@ -180,9 +124,9 @@ static __attribute__((noinline)) void packet_begin(packet *r, const vvi_ray_setu
     r->inverse = vf3_set(vf_load(inverse[0]), vf_load(inverse[1]), vf_load(inverse[2]));
     r->direction = vf3_set(vf_load(dir[0]), vf_load(dir[1]), vf_load(dir[2]));
     r->n = vf_load(n);
-    r->hit = vm_and(live, vf_lt(vf_set1(0.0f), r->n));
-    r->phase = find_phases(r, f);
-    packet_bound(r, f);
+    r->hit = vm_and(packet_lanes(rays, at), vf_lt(vf_set1(0.0f), r->n));
+    r->phase = vf_load(rays->phase + at);
+    packet_bound(r, f, rays->cell + at);
 }
 
 VV_INLINE vf3 packet_point(const packet *r, vf k)
@@ -191,32 +135,17 @@ VV_INLINE vf3 packet_point(const packet *r, vf k)
                    vf_fma(k, r->delta.z, r->start.z));
 }
 
-/** Lanes of the packet at (x, y) whose pixels are in the tile. */
-VV_INLINE vm packet_lanes(const vv_tile *tile, int32_t x, int32_t y)
+/** What came along the rays; depth in steps, negative: nowhere. */
+VV_INLINE void packet_store(vvi_sink *out, const packet *r, const vvi_march_volume *f, size_t at, const vf rgb[3],
+                            vf through, vf depth)
 {
-    uint32_t bits = 0;
-    for (int l = 0; l < VV_WIDTH; l++)
-        bits |= (uint32_t)(x + l % PACKET_W < tile->x1 && y + l / PACKET_W < tile->y1) << l;
-    return vm_from_bits(bits);
-}
-
-/** Premultiplied colour, coverage and depth (in steps; negative: nothing) of the packet's pixels to the image. */
-VV_INLINE void packet_store(const packet *r, const vvi_ray_setup *f, vm live, const vf rgba[4], vf depth)
-{
-    float c[4][VV_WIDTH], k[VV_WIDTH];
-    for (int i = 0; i < 4; i++)
-        vf_store(c[i], rgba[i]);
+    float k[VV_WIDTH];
+    for (int i = 0; i < 3; i++)
+        vf_store(out->rgb[i] + at, rgb[i]);
+    vf_store(out->through + at, through);
     vf_store(k, depth);
-    const uint32_t bits = vm_bits(live);
-    for (int l = 0; l < VV_WIDTH; l++) {
-        if (!(bits >> l & 1))
-            continue;
-        const size_t at = (size_t)(r->y + l / PACKET_W) * (size_t)f->row + (size_t)(r->x + l % PACKET_W);
-        for (int i = 0; i < 4; i++)
-            f->rgba[at * 4 + (size_t)i] = c[i][l];
-        if (f->depth)
-            f->depth[at] = k[l] < 0 ? INFINITY : (float)(r->t0[l] + (double)k[l] * f->step);
-    }
+    for (int l = 0; l < VV_WIDTH; l++)
+        out->depth[at + (size_t)l] = k[l] < 0 ? INFINITY : (float)(r->t0[l] + (double)k[l] * f->step);
 }
 
 /* Blocks -------------------------------------------------------------------------------------------------------- */
@@ -226,14 +155,14 @@ typedef struct block_at {
     vi i, j, k, index;
 } block_at;
 
-VV_INLINE block_at find_block(const vvi_ray_setup *f, bool nearest, vf3 p)
+VV_INLINE block_at find_block(const vvi_march_volume *f, bool nearest, vf3 p)
 {
-    const cell_at c = nearest ? find_sample(&f->lattice, p) : find_cell(&f->lattice, p);
+    const cell_at c = nearest ? find_sample(&f->sampler.lattice, p) : find_cell(&f->sampler.lattice, p);
     block_at b;
-    b.i = vi_min(vi_shr_by(c.i, f->shift), vi_set1(f->blocks[0] - 1));
-    b.j = vi_min(vi_shr_by(c.j, f->shift), vi_set1(f->blocks[1] - 1));
-    b.k = vi_min(vi_shr_by(c.k, f->shift), vi_set1(f->blocks[2] - 1));
-    b.index = (b.k * vi_set1(f->blocks[1]) + b.j) * vi_set1(f->blocks[0]) + b.i;
+    b.i = vi_min(vi_shr_by(c.i, f->skipper.shift), vi_set1(f->skipper.blocks[0] - 1));
+    b.j = vi_min(vi_shr_by(c.j, f->skipper.shift), vi_set1(f->skipper.blocks[1] - 1));
+    b.k = vi_min(vi_shr_by(c.k, f->skipper.shift), vi_set1(f->skipper.blocks[2] - 1));
+    b.index = (b.k * vi_set1(f->skipper.blocks[1]) + b.j) * vi_set1(f->skipper.blocks[0]) + b.i;
     return b;
 }
 
@@ -249,21 +178,22 @@ VV_INLINE vf axis_exit(vf start, vf delta, vf inverse, vi b, vi reach, vi last, 
 }
 
 /** What vvi_skip.reach says of the lanes' blocks: which may show something, and how far their like goes on. */
-VV_INLINE vi look_at_blocks(const vvi_ray_setup *f, const block_at *b, vm m, vm *empty)
+VV_INLINE vi look_at_blocks(const vvi_march_volume *f, const block_at *b, vm m, vm *empty)
 {
-    const vi reach = vi_gather(f->reach, b->index, m);
+    const vi reach = vi_gather(f->skipper.reach, b->index, m);
     *empty = vm_and(m, vi_eq(reach & vi_set1(VVI_SKIP_OCCUPIED), vi_set1(0)));
     return vi_max(reach & vi_set1(VVI_SKIP_DISTANCE), vi_set1(1));
 }
 
 /** Steps from entry to where the ray leaves the cube of blocks that reaches `reach` blocks around b (1: b alone). */
-VV_INLINE vf block_exit(const packet *r, const vvi_ray_setup *f, bool nearest, const block_at *b, vi reach)
+VV_INLINE vf block_exit(const packet *r, const vvi_march_volume *f, bool nearest, const block_at *b, vi reach)
 {
     const float half = nearest ? 0.5f : 0.0f;
-    const vi lx = vi_set1(f->blocks[0] - 1), ly = vi_set1(f->blocks[1] - 1), lz = vi_set1(f->blocks[2] - 1);
-    const vf x = axis_exit(r->start.x, r->delta.x, r->inverse.x, b->i, reach, lx, f->shift, half);
-    const vf y = axis_exit(r->start.y, r->delta.y, r->inverse.y, b->j, reach, ly, f->shift, half);
-    const vf z = axis_exit(r->start.z, r->delta.z, r->inverse.z, b->k, reach, lz, f->shift, half);
+    const vi lx = vi_set1(f->skipper.blocks[0] - 1), ly = vi_set1(f->skipper.blocks[1] - 1),
+             lz = vi_set1(f->skipper.blocks[2] - 1);
+    const vf x = axis_exit(r->start.x, r->delta.x, r->inverse.x, b->i, reach, lx, f->skipper.shift, half);
+    const vf y = axis_exit(r->start.y, r->delta.y, r->inverse.y, b->j, reach, ly, f->skipper.shift, half);
+    const vf z = axis_exit(r->start.z, r->delta.z, r->inverse.z, b->k, reach, lz, f->skipper.shift, half);
     return vf_min(x, vf_min(y, z));
 }
 

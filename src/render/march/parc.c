@@ -292,8 +292,8 @@ static bool eye_inside(const projection *p)
 
 vv_status vvi_parc_init(vvi_parc *out, const vvi_boxes *boxes, const vvi_parc_view *view, vv_job *job)
 {
-    const int cell = 1 << VVI_PARC_SHIFT;
-    *out = (vvi_parc){.width = (view->width + cell - 1) / cell, .height = (view->height + cell - 1) / cell};
+    *out = (vvi_parc){
+        .width = vvi_parc_cells(view->width), .height = vvi_parc_cells(view->height), .forward = view->lens->forward};
     projection p = {.parc = out, .boxes = boxes, .view = view, .job = job};
     size_t n = 0;
     vv_status st = vvi_mul_size(&n, (size_t)out->width, (size_t)out->height);

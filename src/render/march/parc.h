@@ -10,12 +10,17 @@
 /** Near and far depths of the cells of an image, a cell being 2^VVI_PARC_SHIFT pixels a side: rays of neighbouring
  * pixels are followed together anyway, and a small buffer is soon filled. */
 enum { VVI_PARC_SHIFT = 2 };
+static inline int32_t vvi_parc_cells(int32_t pixels)
+{
+    return (pixels + (1 << VVI_PARC_SHIFT) - 1) >> VVI_PARC_SHIFT;
+}
 
 /** Bounds that hold for every ray through a cell, wherever in their pixels the rays are. Depth is along the lens's
  * forward axis, in world length from its eye, less `origin`. Beside a box near <= far; where there is none near is
  * +infinity and far -infinity. */
 typedef struct vvi_parc {
     int32_t width, height; /**< cells */
+    vv_vec3 forward;       /**< axis of the lens */
     double origin;
     float *near, *far; /**< width * height; one allocation */
 } vvi_parc;

@@ -12,12 +12,12 @@ extern const vvi_ray_kernels vvi_ray_kernels_base;
 
 static const vvi_ray_kernels *const builds[] = {/* best first; the last always runs */
 #ifdef VV_HAVE_AVX512
-                                                  &vvi_ray_kernels_avx512,
+                                                &vvi_ray_kernels_avx512,
 #endif
 #ifdef VV_HAVE_AVX2
-                                                  &vvi_ray_kernels_avx2,
+                                                &vvi_ray_kernels_avx2,
 #endif
-                                                  &vvi_ray_kernels_base};
+                                                &vvi_ray_kernels_base};
 enum { BUILDS = sizeof builds / sizeof builds[0] };
 
 const vvi_ray_kernels *vvi_ray_kernels_for(uint32_t cpu)

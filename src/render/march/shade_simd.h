@@ -8,14 +8,14 @@
 #include "render/march/lattice_simd.h"
 
 /** Index-space gradient of the stored values to the world's. */
-VV_INLINE vf3 world_gradient(const vvi_ray_setup *f, vf3 g)
+VV_INLINE vf3 world_gradient(const vvi_march_volume *f, vf3 g)
 {
-    return vf3_turn(f->gradient_to_world, g);
+    return vf3_turn(f->sampler.gradient_to_world, g);
 }
 
-VV_INLINE vf3 world_point(const vvi_ray_setup *f, vf3 p)
+VV_INLINE vf3 world_point(const vvi_march_volume *f, vf3 p)
 {
-    const float(*m)[4] = f->index_to_world;
+    const float(*m)[4] = f->sampler.index_to_world;
     vf out[3];
     for (int a = 0; a < 3; a++)
         out[a] = vf_fma(vf_set1(m[a][0]), p.x,
@@ -29,9 +29,9 @@ VV_INLINE vf3 world_point(const vvi_ray_setup *f, vf3 p)
  * gradient  of the values, world space; its direction turned towards lower values is the normal
  * facing    the normal is turned to the viewer (surfaces); else two_sided or one-sided as the material says
  */
-VV_INLINE void shade(const vvi_ray_setup *f, vf3 p_index, vf3 direction, vf3 gradient, bool facing, vf rgb[3])
+VV_INLINE void shade(const vvi_march_volume *f, vf3 p_index, vf3 direction, vf3 gradient, bool facing, vf rgb[3])
 {
-    const vf length2 = vf3_dot(gradient, gradient), least = vf_set1(f->flat_gradient * f->flat_gradient);
+    const vf length2 = vf3_dot(gradient, gradient), least = vf_set1(f->light.flat_gradient * f->light.flat_gradient);
     const vf3 view = vf3_scale(direction, vf_set1(-1.0f));
     const vm steep = vf_lt(vf_set1(1e36f), length2); /* beside a fill far outside; its square may be infinite */
     if (vm_any(steep))
@@ -41,8 +41,8 @@ VV_INLINE void shade(const vvi_ray_setup *f, vf3 p_index, vf3 direction, vf3 gra
         const vf turn = vf_select(vf_lt(vf3_dot(n, view), vf_set1(0.0f)), vf_set1(-1.0f), vf_set1(1.0f));
         n = vf3_scale(n, turn);
     }
-    const lit_points points = {world_point(f, p_index), n, view, vf_lt(least, length2), f->two_sided && !facing};
-    light_points(rgb, &points, &f->gloss, f->lamps, f->n_lamps);
+    const lit_points points = {world_point(f, p_index), n, view, vf_lt(least, length2), f->light.two_sided && !facing};
+    light_points(rgb, &points, &f->light.gloss, f->light.lamps, f->light.n_lamps);
 }
 
 #endif

@@ -23,13 +23,13 @@ VV_INLINE vi walk_clamp(const walk *w, vi cell, int a)
     return vi_clamp(cell, vi_set1(0), w->last[a]);
 }
 
-VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_ray_setup *f, bool nearest)
+VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_march_volume *f, bool nearest)
 {
     const vf shift = vf_set1(nearest ? 0.5f : 0.0f), zero = vf_set1(0.0f);
     const vf start[3] = {r->start.x + shift, r->start.y + shift, r->start.z + shift};
     const vf delta[3] = {r->delta.x, r->delta.y, r->delta.z};
     for (int a = 0; a < 3; a++) {
-        const int32_t cells = nearest ? f->lattice.n[a] : f->lattice.n[a] - 1;
+        const int32_t cells = nearest ? f->sampler.lattice.n[a] : f->sampler.lattice.n[a] - 1;
         w->last[a] = vi_set1(cells > 0 ? cells - 1 : 0);
         w->cell[a] = walk_clamp(w, vi_trunc(vf_fma(r->first, delta[a], start[a])), a);
         w->step[a] = vi_select(vf_le(zero, delta[a]), vi_set1(1), vi_set1(-1));
@@ -181,29 +181,29 @@ typedef struct surface_state {
 
 /** Lanes whose block is empty, and for each the cube of empty blocks around it as a box of cells. The last block has
  * all cells up to the border: with nearest samples there is one more than cells between samples. */
-VV_INLINE vm surface_empty(const walk *w, const vvi_ray_setup *f, vm run, cell_box *box)
+VV_INLINE vm surface_empty(const walk *w, const vvi_march_volume *f, vm run, cell_box *box)
 {
     const vi one = vi_set1(1);
     vi block[3];
     for (int a = 0; a < 3; a++)
-        block[a] = vi_min(vi_shr_by(w->cell[a], f->shift), vi_set1(f->blocks[a] - 1));
-    const vi index = (block[2] * vi_set1(f->blocks[1]) + block[1]) * vi_set1(f->blocks[0]) + block[0];
-    const vi reach = vi_gather(f->reach, index, run) & vi_set1(255);
+        block[a] = vi_min(vi_shr_by(w->cell[a], f->skipper.shift), vi_set1(f->skipper.blocks[a] - 1));
+    const vi index = (block[2] * vi_set1(f->skipper.blocks[1]) + block[1]) * vi_set1(f->skipper.blocks[0]) + block[0];
+    const vi reach = vi_gather(f->skipper.reach, index, run) & vi_set1(255);
     const vi far = vi_select(vi_lt(reach, vi_set1(VVI_SKIP_OCCUPIED)), reach, vi_set1(0));
     for (int a = 0; a < 3; a++) {
-        const vi high = vi_shl(block[a] + far, f->shift);
-        const vm border = vi_lt(vi_set1(f->blocks[a] - 1), block[a] + far);
-        box->low[a] = vi_shl(block[a] - far + one, f->shift);
+        const vi high = vi_shl(block[a] + far, f->skipper.shift);
+        const vm border = vi_lt(vi_set1(f->skipper.blocks[a] - 1), block[a] + far);
+        box->low[a] = vi_shl(block[a] - far + one, f->skipper.shift);
         box->high[a] = vi_select(border, vi_max(high, w->last[a] + one), high);
     }
     return vm_and(run, vi_lt(vi_set1(0), far));
 }
 
-VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_ray_setup *f, int type, vm run)
+VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_march_volume *f, int type, vm run)
 {
-    const vvi_lattice *g = &f->lattice;
+    const vvi_lattice *g = &f->sampler.lattice;
     const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
-    const vm in = vm_and(run, vm_and(vf_le(vf_set1(f->solid_lo), v), vf_le(v, vf_set1(f->solid_hi))));
+    const vm in = vm_and(run, vm_and(vf_le(vf_set1(f->solid.lo), v), vf_le(v, vf_set1(f->solid.hi))));
     st->s = vf_select(in, w->s, st->s);
     st->sample.x = vf_select(in, vf_from_vi(w->cell[0]), st->sample.x);
     st->sample.y = vf_select(in, vf_from_vi(w->cell[1]), st->sample.y);
@@ -212,13 +212,13 @@ VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_
     st->samples += (uint64_t)vm_count(run);
 }
 
-VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_setup *f, int type,
-                                   vf target, vf side, vf s_out, vm run)
+VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
+                                   int type, vf target, vf side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
     const cell_at c = {w->cell[0], w->cell[1], w->cell[2], zero, zero, zero};
     vf v[2][2][2];
-    load_corners(&f->lattice, type, &c, run, v);
+    load_corners(&f->sampler.lattice, type, &c, run, v);
     st->samples += (uint64_t)vm_count(run);
     vf best = vf_set1(-INFINITY);
     for (int i = 0; i < 8; i++) { /* from here on: how far inside the solid, as a share of the data's range */
@@ -241,23 +241,23 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     st->hit = vm_or(st->hit, found);
 }
 
-VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_setup *f, int type, bool nearest)
+VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_march_volume *f, int type, bool nearest)
 {
-    const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi);
+    const vf lo = vf_set1(f->solid.lo), hi = vf_set1(f->solid.hi);
     const vm rays = packet_promising(r);
-    const vf v0 = sample_value(&f->lattice, type, nearest, r->start, rays);
+    const vf v0 = sample_value(&f->sampler.lattice, type, nearest, r->start, rays);
     st->flat = vm_and(rays, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
     st->hit = st->flat;
     /* outside, a value stays on its side of the solid's range until it enters */
     const vm above = vf_lt(hi, v0);
-    const vf unit = vf_set1(f->solid_unit);
+    const vf unit = vf_set1(f->solid.unit);
     const vf target = vf_select(above, hi, lo), side = vf_select(above, vf_set1(0.0f) - unit, unit);
     walk w;
     walk_begin(&w, r, f, nearest);
     vm run = vm_andnot(rays, st->hit);
     while (vm_any(run)) {
         cell_box box;
-        const vm empty = f->reach ? surface_empty(&w, f, run, &box) : vm_none();
+        const vm empty = f->skipper.reach ? surface_empty(&w, f, run, &box) : vm_none();
         if (vm_any(empty)) {
             const vm inside = walk_jump(&w, r, &box, empty);
             run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->last));
@@ -275,43 +275,50 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_s
 }
 
 /** The colour of a surface where rays hit it. */
-VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_ray_setup *f)
+VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_march_volume *f)
 {
     for (int c = 0; c < 3; c++)
-        rgb[c] = vf_set1(f->surface_color[c]);
+        rgb[c] = vf_set1(f->solid.color[c]);
     if (f->texture) {
         const vf3 p = packet_point(r, st->s);
         texture_colors(rgb, f, &p, r->t0, st->s, st->hit);
     }
 }
 
-VV_INLINE void surface_packet(const vvi_ray_setup *f, const packet *r, vm live, int type, bool nearest,
-                              vv_render_counts *counts)
+/** To the sink: colours where rays hit, and how far along them. */
+VV_INLINE void surface_store(vvi_sink *out, const packet *r, const vvi_march_volume *f, size_t at,
+                             const surface_state *st, vf rgb[3])
+{
+    const vf zero = vf_set1(0.0f);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = vf_select(st->hit, rgb[i], zero);
+    packet_store(out, r, f, at, rgb, vf_select(st->hit, zero, vf_set1(1.0f)),
+                 vf_select(st->hit, st->s, vf_set1(-1.0f)));
+}
+
+VV_INLINE void surface_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,
+                              bool nearest, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f);
     surface_state st = {zero, vm_none(), vm_none(), {zero, zero, zero}, 0};
-    vf rgba[4] = {zero, zero, zero, zero};
+    vf rgb[3] = {zero, zero, zero};
     if (vm_any(packet_promising(r)))
         surface_march(&st, r, f, type, nearest);
     counts->samples += st.samples;
     if (vm_any(st.hit)) {
-        vf rgb[3];
         surface_colors(rgb, &st, r, f);
-        if (f->shaded) {
+        if (f->light.shaded) {
             const vf3 p = packet_point(r, st.s);
-            const cell_at c = find_cell(&f->lattice, nearest ? st.sample : p);
-            vf3 g = world_gradient(f, gradient_by(f->cell_gradient, &f->lattice, type, &c, st.hit));
+            const cell_at c = find_cell(&f->sampler.lattice, nearest ? st.sample : p);
+            vf3 g = world_gradient(f, gradient_by(f->sampler.cell_gradient, &f->sampler.lattice, type, &c, st.hit));
             if (vm_any(st.flat)) {
                 const vf3 e = entry_gradient(r, f, st.flat);
                 g = vf3_set(vf_select(st.flat, e.x, g.x), vf_select(st.flat, e.y, g.y), vf_select(st.flat, e.z, g.z));
             }
             shade(f, p, r->direction, g, true, rgb);
         }
-        for (int i = 0; i < 3; i++)
-            rgba[i] = vf_select(st.hit, rgb[i], zero);
-        rgba[3] = vf_select(st.hit, vf_set1(1.0f), zero);
     }
-    packet_store(r, f, live, rgba, vf_select(st.hit, st.s, vf_set1(-1.0f)));
+    surface_store(out, r, f, at, &st, rgb);
 }
 
 #endif

@@ -18,16 +18,16 @@ typedef struct cubic_side {
     vf target, sign;
 } cubic_side;
 
-VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_ray_setup *f, vf s, vm m)
+VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_march_volume *f, vf s, vm m)
 {
     const vf3 p = packet_point(r, s);
     vf value;
     vf3 unused;
-    cubic_sample(&value, &unused, &f->lattice, &p, m);
+    cubic_sample(&value, &unused, &f->sampler.lattice, &p, m);
     return (value - side->target) * side->sign;
 }
 
-VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_ray_setup *f,
+VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
                                   const cubic_side *side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), middle = (w->s + s_out) * vf_set1(0.5f);
@@ -47,13 +47,13 @@ VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet
     st->hit = vm_or(st->hit, found);
 }
 
-VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_ray_setup *f)
+VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_march_volume *f)
 {
-    const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi), unit = vf_set1(f->solid_unit);
+    const vf lo = vf_set1(f->solid.lo), hi = vf_set1(f->solid.hi), unit = vf_set1(f->solid.unit);
     const vm rays = packet_promising(r);
     vf v0;
     vf3 unused;
-    cubic_sample(&v0, &unused, &f->lattice, &r->start, rays);
+    cubic_sample(&v0, &unused, &f->sampler.lattice, &r->start, rays);
     st->flat = vm_and(rays, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
     st->hit = st->flat;
     const vm above = vf_lt(hi, v0);
@@ -63,7 +63,7 @@ VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi
     vm run = vm_andnot(rays, st->hit);
     while (vm_any(run)) {
         cell_box box;
-        const vm empty = f->reach ? surface_empty(&w, f, run, &box) : vm_none();
+        const vm empty = f->skipper.reach ? surface_empty(&w, f, run, &box) : vm_none();
         if (vm_any(empty)) {
             const vm inside = walk_jump(&w, r, &box, empty);
             run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->last));
@@ -77,12 +77,12 @@ VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi
     }
 }
 
-VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_ray_setup *f, vf rgb[3])
+VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_march_volume *f, vf rgb[3])
 {
     const vf3 p = packet_point(r, st->s);
     vf unused;
     vf3 g;
-    cubic_sample(&unused, &g, &f->lattice, &p, st->hit);
+    cubic_sample(&unused, &g, &f->sampler.lattice, &p, st->hit);
     g = world_gradient(f, g);
     if (vm_any(st->flat)) {
         const vf3 e = entry_gradient(r, f, st->flat);
@@ -91,24 +91,21 @@ VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const v
     shade(f, p, r->direction, g, true, rgb);
 }
 
-VV_INLINE void surface_cubic_packet(const vvi_ray_setup *f, const packet *r, vm live, vv_render_counts *counts)
+VV_INLINE void surface_cubic_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at,
+                                    vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f);
     surface_state st = {zero, vm_none(), vm_none(), {zero, zero, zero}, 0};
-    vf rgba[4] = {zero, zero, zero, zero};
+    vf rgb[3] = {zero, zero, zero};
     if (vm_any(packet_promising(r)))
         surface_cubic_march(&st, r, f);
     counts->samples += st.samples;
     if (vm_any(st.hit)) {
-        vf rgb[3];
         surface_colors(rgb, &st, r, f);
-        if (f->shaded)
+        if (f->light.shaded)
             light_cubic_hit(&st, r, f, rgb);
-        for (int i = 0; i < 3; i++)
-            rgba[i] = vf_select(st.hit, rgb[i], zero);
-        rgba[3] = vf_select(st.hit, vf_set1(1.0f), zero);
     }
-    packet_store(r, f, live, rgba, vf_select(st.hit, st.s, vf_set1(-1.0f)));
+    surface_store(out, r, f, at, &st, rgb);
 }
 
 #endif

@@ -11,7 +11,7 @@
 #include "render/march/lattice_simd.h"
 
 /** Colours of lanes m, at p in index space, `steps` steps beyond world distance t0 of each lane. */
-static __attribute__((noinline)) void texture_colors(vf rgb[3], const vvi_ray_setup *f, const vf3 *p,
+static __attribute__((noinline)) void texture_colors(vf rgb[3], const vvi_march_volume *f, const vf3 *p,
                                                      const double t0[VV_WIDTH], vf steps, vm m)
 {
     float color[3][VVI_TEXTURE_LANES] = {{0}}, at[3][VVI_TEXTURE_LANES], distance[VVI_TEXTURE_LANES];
