@@ -1,6 +1,7 @@
 #include "libraries.h"
 #include "config.h"
 #include "core/cpu.h"
+#include "render/common/mesh_tree.h"
 #include "surface/simplify_library.h"
 #include <jansson.h>
 #include <png.h>
@@ -250,6 +251,7 @@ bool cli_library_nth(cli_library *out, size_t index)
         {"GDCM", "lossy DICOM", version_of_gdcm(), problem_of_gdcm},
         {"seccomp", "the lock of --safe", seccomp},
         {"meshoptimizer", "simplify", vvi_meshoptimizer_version()},
+        {"Embree", "meshes in clouds", vvi_mesh_tree_version()},
         {"FreeType", "letters in pictures", version_of_freetype()},
         {"fontconfig", "which font", fontconfig},
     };

@@ -232,7 +232,9 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
         return vv_fail_memory(sizeof *s);
     s->kernels = vvi_ray_kernels_for(vvi_job_cpu(job));
     s->eye = (vvi_eye){.lens = scene->lens, .width = scene->width, .height = scene->height, .jitter = jitters(scene)};
-    const vv_status st = prepare_volumes(s, scene, job);
+    vv_status st = prepare_volumes(s, scene, job);
+    if (st == VV_OK)
+        st = vvi_ray_meshes_open(&s->meshes, scene, job);
     if (st != VV_OK) {
         vvi_raycast_finish(s);
         return st;
@@ -267,5 +269,6 @@ void vvi_raycast_finish(void *state)
         vvi_cache_release(v->ids);
         vv_field_release((vv_field *)v->halved.field);
     }
+    vvi_ray_meshes_close(&s->meshes);
     vvi_free(s);
 }

@@ -1,5 +1,6 @@
 /* The row of the renderer table: ray casting. */
 #include "render/raycast/raycast.h"
+#include "config.h"
 #include "core/job.h"
 #include "registry.h"
 #include <math.h>
@@ -55,6 +56,11 @@ static vv_status accepts(const vv_scene *scene)
                        "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
                        "the others, or mode=composite",
                        scene->actors[1].id, scene->n_actors);
+    if (scene->n_mesh_actors && projects(scene->params) != VV_PROJECTS_NOTHING)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s: is a mesh, and this mode shows one value of each ray; use mode=composite or "
+                       "isosurface, or set visible=false",
+                       scene->mesh_actors[0].look.id);
     return VV_OK;
 }
 
@@ -67,7 +73,7 @@ typedef struct target {
     vv_render_counts *counts;
 } target;
 
-/* The nearest surface along each ray, where the ray then ends. */
+/* The nearest surface of a volume along each ray, where the ray then ends. */
 static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
 {
     vvi_sink other;
@@ -90,6 +96,30 @@ static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_stat
     }
 }
 
+static void clear(vvi_sink *sink, size_t n)
+{
+    memset(sink->rgb, 0, sizeof sink->rgb);
+    for (size_t i = 0; i < n; i++) {
+        sink->through[i] = 1;
+        sink->depth[i] = INFINITY;
+    }
+}
+
+/* All that ends rays: the nearest of surfaces and opaque meshes. */
+static void find_opaque(vvi_mesh_sink *out, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
+{
+    if (s->n_surfaces)
+        find_surfaces(&out->sink, rays, s, counts);
+    else
+        clear(&out->sink, rays->n);
+    if (!s->meshes.n)
+        return;
+    memset(out->id, 0, sizeof out->id);
+    vvi_ray_meshes_opaque(out, &s->meshes, rays);
+    for (size_t i = 0; i < rays->n; i++)
+        rays->far[i] = (double)out->sink.depth[i];
+}
+
 static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -97,6 +127,47 @@ static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
             front->rgb[c][i] += front->through[i] * behind->rgb[c][i];
         front->through[i] *= behind->through[i];
         front->depth[i] = isfinite(front->depth[i]) ? front->depth[i] : behind->depth[i];
+    }
+}
+
+/* What is no solid, from near to far; false: there is nothing. */
+static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
+{
+    if (s->cloud)
+        s->cloud->kernel(out, &s->cloud->blend.ray, rays, counts);
+    else if (s->blend.n_volumes)
+        s->kernels->blend(out, &s->blend, rays, counts);
+    return s->cloud || s->blend.n_volumes;
+}
+
+/* Steps over a triangle to what lies behind it: by more than floats lose. */
+#define BEYOND 1e-6
+/* Less light than this is not followed from triangle to triangle. */
+#define LEAST_THROUGH 1e-4f
+
+/* Clouds between translucent triangles, and these: they change neither depths nor numbers, as everywhere. */
+static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *rays, vv_render_counts *counts)
+{
+    vvi_mesh_sink layer;
+    vvi_sink clouds;
+    double end[VVI_RAY_BATCH];
+    memcpy(end, rays->far, rays->n * sizeof *end);
+    clear(out, rays->n);
+    for (size_t n = 1; n > 0;) {
+        n = vvi_ray_meshes_translucent(&layer, &s->meshes, rays);
+        for (size_t i = 0; i < rays->n; i++)
+            rays->far[i] = fmin(end[i], (double)layer.sink.depth[i]);
+        if (draw_clouds(&clouds, s, rays, counts))
+            put_behind(out, &clouds, rays->n);
+        for (size_t i = 0; i < rays->n; i++) {
+            const double at = (double)layer.sink.depth[i];
+            const bool more = isfinite(at);
+            for (int c = 0; c < 3 && more; c++)
+                out->rgb[c][i] += out->through[i] * layer.sink.rgb[c][i];
+            out->through[i] *= more ? layer.sink.through[i] : 1;
+            rays->near[i] = more && out->through[i] > LEAST_THROUGH ? at + BEYOND * at : INFINITY;
+            rays->far[i] = end[i];
+        }
     }
 }
 
@@ -114,25 +185,39 @@ static void store(const target *t, const vvi_rays *rays, const vvi_sink *sink)
     }
 }
 
-/* Surfaces end rays; clouds are in front of them. */
+/* Layers of the pixels in which a mesh is what is seen. */
+static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *front, const vvi_mesh_sink *opaque)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        if (rays->pixel[i] < 0 || !opaque->id[i] || front->depth[i] < opaque->sink.depth[i])
+            continue;
+        const size_t at = (size_t)rays->pixel[i];
+        if (t->image->id)
+            t->image->id[at] = opaque->id[i];
+        for (size_t c = 0; c < 3 && t->image->normal; c++)
+            t->image->normal[3 * at + c] = opaque->normal[c][i];
+    }
+}
+
+/* What is opaque ends rays; clouds and what is translucent are in front of it. */
 static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece)
 {
+    const bool any_opaque = s->n_surfaces || s->meshes.n;
     vvi_rays rays;
-    vvi_sink surfaces, clouds;
+    vvi_mesh_sink opaque;
+    vvi_sink front;
     s->kernels->eye(&rays, eye, piece);
-    if (s->n_surfaces)
-        find_surfaces(&surfaces, &rays, s, t->counts);
-    if (s->cloud)
-        s->cloud->kernel(&clouds, &s->cloud->blend.ray, &rays, t->counts);
-    else if (s->blend.n_volumes)
-        s->kernels->blend(&clouds, &s->blend, &rays, t->counts);
-    else {
-        store(t, &rays, &surfaces);
-        return;
-    }
-    if (s->n_surfaces)
-        put_behind(&clouds, &surfaces, rays.n);
-    store(t, &rays, &clouds);
+    if (any_opaque)
+        find_opaque(&opaque, &rays, s, t->counts);
+    if (s->meshes.translucent)
+        draw_between(&front, s, &rays, t->counts);
+    else if (!draw_clouds(&front, s, &rays, t->counts))
+        clear(&front, rays.n);
+    if (any_opaque)
+        put_behind(&front, &opaque.sink, rays.n);
+    store(t, &rays, &front);
+    if (s->meshes.n && (t->image->id || t->image->normal))
+        store_meshes(t, &rays, &front, &opaque);
 }
 
 static uint64_t pixels(const vv_tile *tile)
@@ -151,6 +236,8 @@ static int32_t piece_size(const vvi_raycast_state *s)
 
 static bool any_visible(const vvi_raycast_state *s)
 {
+    if (s->meshes.n)
+        return true;
     for (size_t i = 0; i < s->n_volumes; i++)
         if (s->volume[i].visible)
             return true;
@@ -197,4 +284,5 @@ const vv_renderer vvi_renderer_raycast = {
     .projects = projects,
     .solid = solid,
     .heeds = heeds,
+    .mesh_actors = VV_HAVE_EMBREE,
 };
