@@ -12,6 +12,7 @@
 
 typedef struct tree {
     vv_mesh *mesh; /* its triangles are the tree's */
+    double lo[3], hi[3];
     RTCDevice device;
     RTCScene scene;
     vv_job *job;    /* while it is made; else NULL */
@@ -72,6 +73,31 @@ static vv_status fail(const tree *t)
                    (int)error);
 }
 
+static void find_box(tree *t)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(t->mesh);
+    double reach = 0;
+    for (int a = 0; a < 3; a++)
+        t->lo[a] = INFINITY, t->hi[a] = -INFINITY;
+    for (size_t i = 0; i < 3 * m->n_vertices; i++) {
+        const double p = (double)m->positions[i];
+        t->lo[i % 3] = fmin(t->lo[i % 3], p);
+        t->hi[i % 3] = fmax(t->hi[i % 3], p);
+        reach = fmax(reach, fabs(p));
+    }
+    for (int a = 0; a < 3; a++) {
+        t->lo[a] -= 1e-6 * reach;
+        t->hi[a] += 1e-6 * reach;
+    }
+}
+
+void vvi_mesh_tree_box(double lo[3], double hi[3], const vvi_cached *cached)
+{
+    const tree *t = vvi_cached_value(cached);
+    memcpy(lo, t->lo, sizeof t->lo);
+    memcpy(hi, t->hi, sizeof t->hi);
+}
+
 static vv_status build(tree *t)
 {
     const vv_mesh_info *m = vv_mesh_get_info(t->mesh);
@@ -113,6 +139,7 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
         return vv_fail_memory(sizeof *t);
     t->mesh = vv_mesh_retain(user);
     t->job = job;
+    find_box(t);
     st = build(t);
     t->job = NULL;
     if (st == VV_OK && (st = vvi_memory_take(&t->counted_in, job, (size_t)t->bytes, VVI_MEM_DERIVED)) == VV_OK)
@@ -192,6 +219,11 @@ vv_status vvi_mesh_tree_get(vvi_cached **out, const vv_mesh *mesh, vv_job *job)
     *out = NULL;
     return vv_fail(VV_E_UNSUPPORTED, "this build cannot find where rays meet triangles: Embree was missing when it was "
                                      "built; use method=surface");
+}
+
+void vvi_mesh_tree_box(double lo[3], double hi[3], const vvi_cached *cached)
+{
+    (void)lo, (void)hi, (void)cached;
 }
 
 bool vvi_mesh_tree_hit(vvi_mesh_hit *out, const vvi_cached *cached, const vvi_mesh_ray *ray, vvi_mesh_take_fn *take,

@@ -14,6 +14,9 @@ const char *vvi_mesh_tree_version(void);
  * VV_E_LIMIT, VV_E_CANCELLED. */
 vv_status vvi_mesh_tree_get(vvi_cached **out, const vv_mesh *mesh, vv_job *job);
 
+/** The box of its positions, grown by a millionth of their reach: a flat mesh has one that rays pass through, too. */
+void vvi_mesh_tree_box(double lo_out[3], double hi_out[3], const vvi_cached *cached);
+
 /** A ray among the positions of a mesh, which its origin is not added to. Distances are in lengths of `direction`. */
 typedef struct vvi_mesh_ray {
     float origin[3], direction[3], near, far;

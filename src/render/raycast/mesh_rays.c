@@ -23,24 +23,6 @@ static vv_affine turn_of_normals(const vv_affine *place)
                                 vvi_scaled(vvi_cross(a[0], a[1]), side)}};
 }
 
-/* A flat mesh has a box that rays can pass through, too. */
-static void find_box(vvi_ray_mesh *m)
-{
-    const float *p = m->shown.positions;
-    double reach = 0;
-    for (int a = 0; a < 3; a++)
-        m->lo[a] = INFINITY, m->hi[a] = -INFINITY;
-    for (size_t i = 0; i < 3 * m->shown.n_vertices; i++) {
-        m->lo[i % 3] = fmin(m->lo[i % 3], (double)p[i]);
-        m->hi[i % 3] = fmax(m->hi[i % 3], (double)p[i]);
-        reach = fmax(reach, fabs((double)p[i]));
-    }
-    for (int a = 0; a < 3; a++) {
-        m->lo[a] -= 1e-6 * reach;
-        m->hi[a] += 1e-6 * reach;
-    }
-}
-
 static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index, vv_job *job)
 {
     const vv_mesh_actor *actor = &scene->mesh_actors[index];
@@ -61,9 +43,11 @@ static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index,
         return vv_fail(VV_E_ARGUMENT, "volumes.%s.place: flattens the mesh; give it a scale other than 0", look->id);
     m->translucent = vvi_gfx_is_translucent(
         &(vvi_gfx_surface){.mesh = &m->shown, .color.a = actor->opacity, .one_color = actor->one_color});
-    find_box(m);
     const vv_status st = vvi_mesh_tree_get(&m->tree, actor->mesh, job);
-    return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", look->id);
+    if (st != VV_OK)
+        return vv_fail_in(st, "volumes.%s", look->id);
+    vvi_mesh_tree_box(m->lo, m->hi, m->tree);
+    return VV_OK;
 }
 
 vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job *job)
