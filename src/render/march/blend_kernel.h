@@ -17,30 +17,11 @@ typedef enum vvi_classify {
     VVI_CLASSIFY_LABELS      /**< the table's row of the label that has most weight */
 } vvi_classify;
 
-/** Where colours come from, if not from the classification. */
-typedef enum vvi_paint_kind {
-    VVI_PAINT_NONE,
-    VVI_PAINT_COLORS, /**< the volume's own: four numbers of 16 bits a sample (colors.h) */
-    VVI_PAINT_MAP     /**< another volume's values, through a table */
-} vvi_paint_kind;
-
-typedef struct vvi_blend_paint {
-    int kind;
-    bool nearest;
-    vvi_lattice lattice; /**< colours: offsets count samples, of 8 bytes */
-    /* map: from the volume's index space to its own, where it has samples in [lo, hi]; rows of r, g, b, unused */
-    float from_index[3][4], lo[3], hi[3];
-    const float *color;
-    float entry_scale, entry_shift;
-    int32_t n_entries;
-} vvi_blend_paint;
-
 /** One volume of a blend. */
 typedef struct vvi_blend_volume {
     vvi_march_volume ray; /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
     bool nearest, cubic;  /**< cubic: the lattice has coefficients (cubic_spline.h) */
     int classify;
-    vvi_blend_paint paint;
     /* integrated: place = stored * row_scale + row_shift; row i holds for places from i to i + 1, the first and the
      * last beyond them too. Optical depth of a full step times red, green, blue, and alone. */
     float row_scale, row_shift;

@@ -25,7 +25,7 @@ VV_INLINE void add_colors(vf sum[4], const vvi_lattice *g, vi at, vf weight, vm 
 }
 
 /** Colours of the volume itself: interpolated premultiplied, so that what is clear has no colour to give. */
-static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_blend_paint *paint, const vf3 *p, vm m)
+static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
 {
     const vvi_lattice *g = &paint->lattice;
     const vf one = vf_set1(1.0f), zero = vf_set1(0.0f);
@@ -49,7 +49,7 @@ static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_blend_pa
 }
 
 /** Colours by another volume's value at the same point of the World; where it ends, those that were there. */
-static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_blend_paint *paint, const vf3 *p, vm m)
+static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
 {
     const float(*f)[4] = paint->from_index;
     vf q[3];
@@ -67,6 +67,15 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_blend_paint
     m = vm_and(m, vf_eq(value, value));
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_select(m, vf_gather4(paint->color + c, entry, m), rgb[c]);
+}
+
+/** The colours of a volume that has some from elsewhere, in place of those of lanes m. */
+VV_INLINE void take_paint(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
+{
+    if (paint->kind == VVI_PAINT_COLORS)
+        paint_colors(rgb, paint, p, m);
+    else if (paint->kind == VVI_PAINT_MAP)
+        paint_map(rgb, paint, p, m);
 }
 
 #endif

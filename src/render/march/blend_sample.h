@@ -49,6 +49,28 @@ VV_INLINE vf volume_value(const vvi_blend_volume *v, const vf3 *p, vm m)
     return v->nearest ? value_nearest(&v->ray.sampler.lattice, p, m) : value_linear(&v->ray.sampler.lattice, p, m);
 }
 
+/** Of the cells or by central differences, in index space. */
+OUT_OF_LINE void gradient_in_cell(vf3 *out, const vvi_lattice *g, bool of_cell, const cell_at *c, vm m)
+{
+    switch (vvi_lattice_kernel(g)) {
+    case VVI_SAMPLE_U8:
+        *out = gradient_by(of_cell, g, VVI_SAMPLE_U8, c, m);
+        break;
+    case VVI_SAMPLE_U16:
+        *out = gradient_by(of_cell, g, VVI_SAMPLE_U16, c, m);
+        break;
+    case VVI_SAMPLE_I16:
+        *out = gradient_by(of_cell, g, VVI_SAMPLE_I16, c, m);
+        break;
+    case VVI_SAMPLE_F32:
+        *out = gradient_by(of_cell, g, VVI_SAMPLE_F32, c, m);
+        break;
+    default:
+        *out = gradient_by(of_cell, g, VVI_SAMPLE_WIDE, c, m);
+        break;
+    }
+}
+
 /** In the world, as the light wants it. */
 VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
 {
@@ -232,10 +254,7 @@ OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *a
 {
     const vvi_blend_volume *v = p->volume;
     const vf3 point = packet_point(&p->r, *at);
-    if (v->paint.kind == VVI_PAINT_COLORS)
-        paint_colors(s->rgb, &v->paint, &point, m);
-    else if (v->paint.kind == VVI_PAINT_MAP)
-        paint_map(s->rgb, &v->paint, &point, m);
+    take_paint(s->rgb, &v->ray.paint, &point, m);
     if (v->ray.texture)
         texture_colors(s->rgb, &v->ray, &point, p->r.t0, *at, m);
     if (!v->ray.light.shaded && !(v->modulate_power > 0))
@@ -256,7 +275,8 @@ VV_INLINE void sample_volume(blend_sample *s, blend_part *p, const blend_span *s
     classify(s, p, span, middle, m);
     s->depth = vf_select(m, s->depth, vf_set1(0.0f));
     const vm seen = vf_lt(vf_set1(0.0f), s->depth);
-    const bool more = v->ray.light.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE || v->ray.texture;
+    const bool more =
+        v->ray.light.shaded || v->modulate_power > 0 || v->ray.paint.kind != VVI_PAINT_NONE || v->ray.texture;
     if (more && vm_any(seen))
         finish_sample(s, p, &middle, seen);
 }

@@ -39,25 +39,4 @@ OUT_OF_LINE vf value_nearest(const vvi_lattice *g, const vf3 *p, vm m)
     }
 }
 
-OUT_OF_LINE void gradient_in_cell(vf3 *out, const vvi_lattice *g, bool of_cell, const cell_at *c, vm m)
-{
-    switch (vvi_lattice_kernel(g)) {
-    case VVI_SAMPLE_U8:
-        *out = gradient_by(of_cell, g, VVI_SAMPLE_U8, c, m);
-        break;
-    case VVI_SAMPLE_U16:
-        *out = gradient_by(of_cell, g, VVI_SAMPLE_U16, c, m);
-        break;
-    case VVI_SAMPLE_I16:
-        *out = gradient_by(of_cell, g, VVI_SAMPLE_I16, c, m);
-        break;
-    case VVI_SAMPLE_F32:
-        *out = gradient_by(of_cell, g, VVI_SAMPLE_F32, c, m);
-        break;
-    default:
-        *out = gradient_by(of_cell, g, VVI_SAMPLE_WIDE, c, m);
-        break;
-    }
-}
-
 #endif

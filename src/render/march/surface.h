@@ -6,6 +6,7 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_H
 #define VVI_RENDER_MARCH_SURFACE_H
+#include "render/march/blend_paint.h"
 #include "render/march/entry.h"
 #include "render/march/shade_simd.h"
 #include "render/march/texture_simd.h"
@@ -279,8 +280,13 @@ VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *
 {
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_set1(f->solid.color[c]);
+    const vf3 p = packet_point(r, st->s);
+    if (f->paint.kind != VVI_PAINT_NONE) {
+        const bool own = f->sampler.nearest && f->paint.kind == VVI_PAINT_COLORS;
+        const vf3 at = own ? vf3_select(st->flat, p, st->sample) : p;
+        take_paint(rgb, &f->paint, &at, st->hit);
+    }
     if (f->texture) {
-        const vf3 p = packet_point(r, st->s);
         texture_colors(rgb, f, &p, r->t0, st->s, st->hit);
     }
 }

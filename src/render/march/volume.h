@@ -61,6 +61,24 @@ typedef struct vvi_solid {
     float color[3];
 } vvi_solid;
 
+/** Where colours come from, if not from the classification. */
+typedef enum vvi_paint_kind {
+    VVI_PAINT_NONE,
+    VVI_PAINT_COLORS, /**< the volume's own: four numbers of 16 bits a sample (colors.h) */
+    VVI_PAINT_MAP     /**< another volume's values, through a table */
+} vvi_paint_kind;
+
+typedef struct vvi_paint {
+    int kind;
+    bool nearest;
+    vvi_lattice lattice; /**< colours: offsets count samples, of 8 bytes */
+    /* map: from the volume's index space to its own, where it has samples in [lo, hi]; rows of r, g, b, unused */
+    float from_index[3][4], lo[3], hi[3];
+    const float *color;
+    float entry_scale, entry_shift;
+    int32_t n_entries;
+} vvi_paint;
+
 typedef struct vvi_light {
     bool shaded, two_sided;
     bool capped;     /**< what lies on the face of a cut plane is lit as that face */
@@ -78,6 +96,7 @@ typedef struct vvi_march_volume {
     vvi_projection projection;
     vvi_solid solid;
     vvi_light light;
+    vvi_paint paint;
     const struct vvi_texture *texture; /**< on colours, before light (texture.h); NULL: none */
     double step;                       /**< world length between samples */
     float steps;                       /**< about how many the longest ray has */

@@ -155,16 +155,13 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);
     v->visible = true;
-    if (v->solid && v->actor->paint.field)
-        vvi_log(job, VV_LOG_WARNING, "raycast",
-                "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", v->actor->id);
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else
         st = vvi_raycast_classify(v, &table, scene, job);
     if (vvi_raycast_projects(p->mode))
         vvi_raycast_find_projection(v, p);
-    if (st == VV_OK && !v->solid && p->mode == VVI_RAYCAST_COMPOSITE)
+    if (st == VV_OK && !vvi_raycast_projects(p->mode))
         st = vvi_raycast_find_paint(v, job);
     if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !vvi_raycast_projects(p->mode)) {
         st = vvi_texture_open(&v->texture, v->actor, scene, job);

@@ -143,8 +143,8 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
 bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
 {
     const vvi_blend_volume *b = &v->blend;
-    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic || b->paint.kind != VVI_PAINT_NONE ||
-           b->ray.texture;
+    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic ||
+           b->ray.paint.kind != VVI_PAINT_NONE || b->ray.texture;
 }
 
 void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p)

@@ -194,6 +194,7 @@ void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
     double color[3];
     for (int c = 0; c < 3; c++)
         color[c] = (double)f->solid.color[c];
+    vvi_ref_paint(color, r, t);
     vvi_ref_texture(color, r, t);
     if (f->light.shaded)
         vvi_ref_shade(color, r, t, color, true);

@@ -172,7 +172,7 @@ vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
     return vvi_vec(w[0], w[1], w[2]);
 }
 
-static void own_colors(double rgb[3], const vvi_blend_paint *paint, const double p[3])
+static void own_colors(double rgb[3], const vvi_paint *paint, const double p[3])
 {
     const vvi_lattice *g = &paint->lattice;
     double sum[4] = {0};
@@ -189,7 +189,7 @@ static void own_colors(double rgb[3], const vvi_blend_paint *paint, const double
         rgb[i] = sum[3] > 0 ? sum[i] / sum[3] : 0;
 }
 
-static void mapped_colors(double rgb[3], const vvi_blend_paint *paint, const vv_paint *from, vv_vec3 world)
+static void mapped_colors(double rgb[3], const vvi_paint *paint, const vv_paint *from, vv_vec3 world)
 {
     vv_affine inverse;
     vv_affine_invert(&inverse, from->index_to_world);
@@ -209,7 +209,7 @@ static void mapped_colors(double rgb[3], const vvi_blend_paint *paint, const vv_
 
 void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_blend_paint *paint = &r->volume->blend.paint;
+    const vvi_paint *paint = &r->volume->blend.ray.paint;
     double p[3];
     index_point(p, r, t);
     if (paint->kind == VVI_PAINT_COLORS)

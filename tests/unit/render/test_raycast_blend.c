@@ -596,6 +596,32 @@ static void cubic_surfaces_equal_the_reference_in_every_build(void **state)
     }
 }
 
+/* Isosurfaces and solids in the colours of the volume itself and in those of another. */
+static void painted_surfaces_equal_the_reference_in_every_build(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 16; round++) {
+        const uint64_t seed = test_random(test_seed(), 5500 + round);
+        together t = {0};
+        char what[64];
+        vv_actor *actor = &add_random(&t, types[round % 4], seed)->actor;
+        look_at_all(&t, seed);
+        use_feature(&t, round & 4 ? MAP : COLORS, seed);
+        const double lo = actor->statistics->min, w = actor->statistics->max - lo;
+        actor->iso = lo + 0.6 * w;
+        if (round & 8) {
+            actor->classes.kind = VV_SEGMENT_THRESHOLD;
+            actor->classes.lo = lo + 0.5 * w;
+            actor->classes.hi = lo + 0.8 * w;
+        } else {
+            set(&t.part[0], "mode", "isosurface");
+        }
+        snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
+        compare_all_builds(&t, what);
+        finish(&t);
+    }
+}
+
 /* A ball of radius 9 by its squared distance, which a spline holds exactly: where it is, and how it is lit. */
 static void a_cubic_surface_of_a_ball_is_where_it_is(void **state)
 {
@@ -818,6 +844,7 @@ int main(void)
         cmocka_unit_test(pre_integration_is_on_for_high_quality),
         cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),
         cmocka_unit_test(cubic_surfaces_equal_the_reference_in_every_build),
+        cmocka_unit_test(painted_surfaces_equal_the_reference_in_every_build),
         cmocka_unit_test(a_cubic_surface_of_a_ball_is_where_it_is),
         cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
         cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),
