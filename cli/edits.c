@@ -112,7 +112,7 @@ static const char *word_of(const cli_edits *edits, const char *path, const char 
     const vv_property_context context = vvi_registry_context(edits->command->registry);
     const vv_property *row = NULL;
     const vv_class *cls;
-    if (cli_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || !row || cls)
+    if (vv_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || !row || cls)
         return typed;
     return cli_choice_word(edits->command->registry, row, typed);
 }
@@ -189,7 +189,7 @@ static vv_status edit_by_path(cli_edits *edits, const char *text)
     memcpy(path, text, n);
     path[n] = 0;
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_status st = cli_path_each(&world->base, path, set_one, &(path_edit){edits, equals + 1});
+    const vv_status st = vv_path_expand(&world->base, path, set_one, &(path_edit){edits, equals + 1});
     vv_object_release(&world->base);
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
 }
