@@ -250,7 +250,9 @@ static vv_status info_of_data(cli_command *command, const char *word, cli_info_i
     if ((st = cli_input_open(&input, command, word)) != VV_OK)
         return st == VV_E_FORMAT && cli_info_folder(command, word, true) ? VV_OK : st;
     const vv_field_info *info = vv_file_info(input.file);
-    if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
+    if (options->preview != CLI_PREVIEW_NONE) /* its samples are read again, after a look at their range */
+        st = vvi_file_make_repeatable(input.file, command->job);
+    if (st == VV_OK && (st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
         (st = cli_info_ids_take(id, ids, input.path, info)) == VV_OK) {
         json_header(&command->json, &input, id, bytes);
         text_header(command, &input, id, bytes);

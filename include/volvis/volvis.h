@@ -17,6 +17,7 @@
 #include <volvis/model.h>
 #include <volvis/operation.h>
 #include <volvis/pick.h>
+#include <volvis/preview.h>
 #include <volvis/property.h>
 #include <volvis/render.h>
 #include <volvis/run.h>
