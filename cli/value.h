@@ -47,13 +47,6 @@ static inline const char *cli_suffix_of(const char *path)
     return dot ? dot : "";
 }
 
-/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near.
- * Whole numbers have all their digits. */
-void cli_value_print(char out[32], double value, double lo, double hi);
-
 /** Of one number at least, which it sorts. */
 double cli_value_median(double *v, size_t n);
-
-/** What makes values of stored numbers, as in "i16 * 0.5 + 3", "stored - 1024". */
-void cli_value_scaled(char out[96], const char *stored, double scale, double offset);
 #endif

@@ -160,7 +160,7 @@ static void text_placement(cli_command *command, const vv_grid *grid)
 static void text_values(cli_command *command, const vv_field_info *info)
 {
     char scaled[96];
-    cli_value_scaled(scaled, "stored", info->value_scale, info->value_offset);
+    vvi_scaled_print(scaled, "stored", info->value_scale, info->value_offset);
     if (info->value_scale != 1 || info->value_offset != 0)
         cli_command_line(command, "values", "%s %s", scaled, info->value_unit);
     else if (info->value_unit[0])
@@ -175,7 +175,7 @@ static void text_header(cli_command *command, const cli_input *input, const char
     const vv_field_info *info = vv_file_info(input->file);
     char size[32], about[128];
     const char *key, *value;
-    cli_describe_info(about, info, info->n_frames);
+    vvi_samples_print(about, info, info->n_frames);
     vvi_print_bytes(size, bytes);
     cli_command_title(command, input->path);
     cli_command_line(command, "format", "%s", vv_file_format(input->file));

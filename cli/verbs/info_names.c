@@ -1,4 +1,5 @@
 #include "info_names.h"
+#include "grid/info_text.h"
 #include "grid/label_id.h"
 #include "label_counts.h"
 #include "value.h"
@@ -74,8 +75,8 @@ void cli_info_channel_text(cli_command *command, int component, const vv_channel
     if (channel && channel->has_color)
         cli_print_color(color, channel->color);
     if (channel && channel->lo < channel->hi) {
-        cli_value_print(lo, channel->lo, channel->lo, channel->hi);
-        cli_value_print(hi, channel->hi, channel->lo, channel->hi);
+        vvi_value_print(lo, channel->lo, channel->lo, channel->hi);
+        vvi_value_print(hi, channel->hi, channel->lo, channel->hi);
         snprintf(window, sizeof window, ", window %s to %s", lo, hi);
     }
     cli_command_line(command, "channel", "%d%s%s%s%s%s", component, channel && channel->name[0] ? " " : "",

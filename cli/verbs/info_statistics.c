@@ -1,6 +1,7 @@
 #include "info_statistics.h"
 #include "core/units.h"
 #include "grid/fill_value.h"
+#include "grid/info_text.h"
 #include "grid/statistics.h"
 #include "histogram.h"
 #include "info_names.h"
@@ -21,11 +22,11 @@ static void text_statistics(cli_command *command, const vv_statistics *s, const 
         cli_command_line(command, "mean", "none");
         return;
     }
-    cli_value_print(lo, s->min, s->min, s->max);
-    cli_value_print(hi, s->max, s->min, s->max);
-    cli_value_print(mean, s->mean, s->min, s->max);
+    vvi_value_print(lo, s->min, s->min, s->max);
+    vvi_value_print(hi, s->max, s->min, s->max);
+    vvi_value_print(mean, s->mean, s->min, s->max);
     for (int i = 0; i < 5; i++)
-        cli_value_print(percentile[i], s->percentile[i], s->percentile[0], s->percentile[4]);
+        vvi_value_print(percentile[i], s->percentile[i], s->percentile[0], s->percentile[4]);
     cli_command_line(command, "range", "%s to %s %s", lo, hi, unit);
     cli_command_line(command, "mean", "%s, deviation %g", mean, s->deviation);
     cli_command_line(command, "percentiles", "0.1%%: %s  1%%: %s  50%%: %s  99%%: %s  99.9%%: %s", percentile[0],
@@ -159,8 +160,8 @@ vv_status cli_info_range(cli_command *command, const cli_input *input, const vv_
         const uint64_t strange = s->nan_count + s->infinite_count;
         if (strange)
             snprintf(missing, sizeof missing, "; %" PRIu64 " samples are not finite", strange);
-        cli_value_print(lo, s->min, s->min, s->max);
-        cli_value_print(hi, s->max, s->min, s->max);
+        vvi_value_print(lo, s->min, s->min, s->max);
+        vvi_value_print(hi, s->max, s->min, s->max);
         if (!labels)
             snprintf(mean, sizeof mean, ", mean %.6g", s->mean);
         if (s->count)

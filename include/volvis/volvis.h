@@ -4,6 +4,7 @@
 #ifndef VOLVIS_VOLVIS_H
 #define VOLVIS_VOLVIS_H
 #include <volvis/base.h>
+#include <volvis/compare.h>
 #include <volvis/field.h>
 #include <volvis/file.h>
 #include <volvis/image.h>

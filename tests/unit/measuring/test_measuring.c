@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <volvis/measuring.h>
+#include <volvis/compare.h>
 
 #include <cmocka.h>
 
@@ -461,6 +461,50 @@ static void without_memory_every_kind_fails_in_words(void **state)
     vv_field_release(l);
 }
 
+/* The item of that key; of a number its value. */
+static double number(const vv_answer *a, const char *key)
+{
+    const vv_answer_item *item;
+    for (size_t i = 0; (item = vv_answer_nth(a, i)); i++)
+        if (item->key && strcmp(item->key, key) == 0)
+            return item->kind == VV_ANSWER_NUMBER ? item->value : (double)item->count;
+    fail_msg("there is no '%s'", key);
+    return NAN;
+}
+
+/* A ramp, and the same half a unit higher: 3 + 2 x - y + 0.5 z over [0, 6]^3 goes from -3 to 18. */
+static void what_is_half_a_unit_higher_differs_by_that(void **state)
+{
+    vv_field *a = test_field_cube(&test_form_ramp, 7, 0, 6, NULL), *b = NULL;
+    vv_field_info info = *vv_field_get_info(a);
+    vv_compare_limits limits;
+    vv_answer *answer;
+    bool exceeded;
+    info.value_offset = 0.5;
+    const vv_box all = vv_field_box(a);
+    vv_brick brick;
+    assert_int_equal(vv_field_brick(&brick, a, &all, NULL), VV_OK);
+    assert_int_equal(vv_field_new(&b, &info, brick.data, 0, NULL, NULL, NULL), VV_OK);
+    vv_compare_limits_init(&limits, sizeof limits);
+    limits.max_difference = 0.5;
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, b, &limits, NULL), VV_OK);
+    assert_true(fabs(number(answer, "max_difference") - 0.5) < 1e-12 && fabs(number(answer, "rms") - 0.5) < 1e-12);
+    assert_true(fabs(number(answer, "psnr") - 20 * log10(21 / 0.5)) < 1e-9);
+    assert_true(number(answer, "different_samples") == 343 && number(answer, "identical") == 0 && !exceeded);
+    vv_answer_release(answer);
+    limits.max_difference = 0.499;
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, b, &limits, NULL), VV_OK);
+    assert_true(exceeded && number(answer, "differs") == 1);
+    vv_answer_release(answer);
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, a, NULL, NULL), VV_OK);
+    assert_true(!exceeded && number(answer, "identical") == 1 && isinf(number(answer, "psnr")));
+    vv_answer_release(answer);
+    vv_brick_release(&brick);
+    vv_field_release(b);
+    vv_field_release(a);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -481,6 +525,7 @@ int main(void)
         cmocka_unit_test(threads_change_no_answer),
         cmocka_unit_test(questions_that_make_no_sense_are_refused_in_words),
         cmocka_unit_test(without_memory_every_kind_fails_in_words),
+        cmocka_unit_test(what_is_half_a_unit_higher_differs_by_that),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
