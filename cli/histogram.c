@@ -46,15 +46,3 @@ void cli_histogram_text(vvi_text *out, const vv_statistics *s, bool logarithmic)
         vvi_text_add(out, "\n");
     }
 }
-
-void cli_histogram_json(vvi_result *json, const vv_statistics *s)
-{
-    double counts[1024];
-    for (int i = 0; i < s->n_bins; i++)
-        counts[i] = (double)s->histogram[i];
-    vvi_result_open(json, "histogram", '{');
-    vvi_result_number(json, "lo", s->histogram_lo);
-    vvi_result_number(json, "hi", s->histogram_hi);
-    vvi_result_numbers(json, "counts", counts, (size_t)s->n_bins);
-    vvi_result_close(json, '}');
-}

@@ -3,6 +3,7 @@
  */
 #ifndef VOLVIS_VOLVIS_H
 #define VOLVIS_VOLVIS_H
+#include <volvis/about.h>
 #include <volvis/base.h>
 #include <volvis/compare.h>
 #include <volvis/field.h>

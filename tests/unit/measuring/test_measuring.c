@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/about.h>
 #include <volvis/compare.h>
 
 #include <cmocka.h>
@@ -505,6 +506,59 @@ static void what_is_half_a_unit_higher_differs_by_that(void **state)
     (void)state;
 }
 
+static const char *line(const vv_answer *a, const char *label)
+{
+    const vv_answer_item *item;
+    for (size_t i = 0; (item = vv_answer_nth(a, i)); i++)
+        if (item->kind == VV_ANSWER_LINE && strcmp(item->label, label) == 0)
+            return item->text;
+    fail_msg("there is no line '%s'", label);
+    return NULL;
+}
+
+/* Steps of half a unit along x, turned by a right angle about z. */
+static void a_header_says_where_its_samples_lie(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    vv_answer *answer;
+    char *json;
+    info.grid.dims[0] = 4;
+    info.grid.dims[1] = 5;
+    info.grid.dims[2] = 6;
+    info.type = VV_TYPE_I16;
+    info.grid.index_to_world.axis[0] = (vv_vec3){0, 0.5, 0};
+    info.grid.index_to_world.axis[1] = (vv_vec3){-2, 0, 0};
+    assert_int_equal(vv_about_samples(&answer, &info), VV_OK);
+    assert_true(number(answer, "memory_bytes") == 4 * 5 * 6 * 2 && number(answer, "components") == 1);
+    assert_string_equal(line(answer, "samples"), "4 x 5 x 6 i16, scalar");
+    assert_int_equal(vv_answer_json(&json, answer), VV_OK);
+    assert_non_null(strstr(json, "\"spacing\": [0.5, 2, 1]"));
+    assert_non_null(strstr(json, "[-1, 0, 0]"));
+    free(json);
+    vv_answer_release(answer);
+    (void)state;
+}
+
+static void a_mesh_and_a_world_say_what_they_are(void **state)
+{
+    vv_mesh *mesh = test_mesh_strip(5, 0);
+    vv_object *world = NULL;
+    vv_answer *answer;
+    assert_int_equal(vv_about_mesh(&answer, mesh, NULL), VV_OK);
+    assert_true(number(answer, "closed") == 0 && number(answer, "pieces") == 1 && isnan(number(answer, "volume")));
+    assert_true(fabs(number(answer, "area") - test_mesh_area(mesh)) < 1e-5);
+    vv_answer_release(answer);
+    vv_mesh_release(mesh);
+    assert_int_equal(vv_object_new(&world, &vv_world_class, NULL), VV_OK);
+    assert_int_equal(vv_path_add(&world, "lights", "key", NULL, NULL), VV_OK);
+    assert_int_equal(vv_about_world(&answer, (const vv_world *)(const void *)world), VV_OK);
+    assert_string_equal(line(answer, "lights"), "key");
+    assert_string_equal(line(answer, "volumes"), "none");
+    vv_answer_release(answer);
+    vv_object_release(world);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -526,6 +580,8 @@ int main(void)
         cmocka_unit_test(questions_that_make_no_sense_are_refused_in_words),
         cmocka_unit_test(without_memory_every_kind_fails_in_words),
         cmocka_unit_test(what_is_half_a_unit_higher_differs_by_that),
+        cmocka_unit_test(a_header_says_where_its_samples_lie),
+        cmocka_unit_test(a_mesh_and_a_world_say_what_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
