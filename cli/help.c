@@ -130,7 +130,7 @@ vv_status cli_help_path(vvi_text *out, const char *path, const vv_registry *regi
     const vv_property *row;
     const vv_class *cls;
     vv_status st;
-    if ((st = cli_path_row(&row, &cls, &vv_world_class, path, &context)) != VV_OK)
+    if ((st = vv_path_row(&row, &cls, &vv_world_class, path, &context)) != VV_OK)
         return st;
     if (!cls) {
         add_one_property(out, path, row);

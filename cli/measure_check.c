@@ -146,7 +146,7 @@ vv_status cli_measure_plan(cli_command *command, const cli_question *q)
     snprintf(about, sizeof about, "%s", name_of(is, 0));
     const vv_status st = is == VV_MEASURED_VOLUME ? cli_input_open(&input, command, file) : VV_OK;
     if (st == VV_OK && input.file)
-        cli_describe_info(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
+        vvi_samples_print(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
     cli_input_close(&input);
     if (st != VV_OK)
         return st;

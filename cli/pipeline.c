@@ -9,17 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames)
-{
-    char components[32] = "", frames[40] = "";
-    if (info->components > 1)
-        snprintf(components, sizeof components, ", %d channels", info->components);
-    if (n_frames > 1)
-        snprintf(frames, sizeof frames, ", %" PRId64 " time steps", n_frames);
-    snprintf(out, 128, "%" PRId64 " x %" PRId64 " x %" PRId64 " %s%s%s", info->grid.dims[0], info->grid.dims[1],
-             info->grid.dims[2], vv_type_name(info->type), components, frames);
-}
-
 static void report_info(cli_command *command, const char *output, const vv_field_info *info, const vv_run_about *run)
 {
     vvi_result *json = &command->json;
@@ -37,9 +26,9 @@ static void report(cli_command *command, const char *output, const vv_run_about 
 {
     char about[128], scaled[96] = "";
     const vv_field_info *info = &run->result;
-    cli_describe_info(about, &run->written, run->n_frames);
+    vvi_samples_print(about, &run->written, run->n_frames);
     if (vvi_has_scale(info) && !vvi_has_scale(&run->written))
-        cli_value_scaled(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
+        vvi_scaled_print(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
     report_info(command, output, &run->written, run);
     vvi_result_number(&command->json, "load_s", run->load_s);
     vvi_result_number(&command->json, "run_s", run->run_s);
@@ -63,13 +52,13 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
     char about[128], needed[32], working[32];
     uint64_t bytes = 0;
     const uint64_t n_results = run->n_layers > 0 ? run->n_layers : (uint64_t)run->n_frames;
-    cli_describe_info(about, &run->info, run->n_frames);
+    vvi_samples_print(about, &run->info, run->n_frames);
     vvi_print_bytes(needed, run->bytes);
     vvi_print_bytes(working, run->working);
     for (size_t i = 0; i < n_inputs; i++) {
         const vv_field_info *info = vv_file_info(inputs[i].file);
         char from[128];
-        cli_describe_info(from, info, info->n_frames);
+        vvi_samples_print(from, info, info->n_frames);
         cli_command_line(command, "reads", "%s: %s", inputs[i].path, from);
     }
     cli_command_line(command, "makes", "%s: %s%s", output, about,

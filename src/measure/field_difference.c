@@ -1,4 +1,4 @@
-#include "volume_difference.h"
+#include "measure/field_difference.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/field.h"
@@ -118,11 +118,11 @@ static vv_status item(void *scratch, void *shared, size_t index)
     return st;
 }
 
-static void sum_up(cli_volume_difference *out, const comparison *c, size_t n)
+static void sum_up(vvi_field_difference *out, const comparison *c, size_t n)
 {
     const vv_field_info *info = vv_field_get_info(c->a);
     double lo = INFINITY, hi = -INFINITY, squares = 0;
-    *out = (cli_volume_difference){0};
+    *out = (vvi_field_difference){0};
     for (size_t i = 0; i < n; i++) {
         out->max_difference = fmax(out->max_difference, c->slices[i].max);
         out->n_different += c->slices[i].n_different;
@@ -139,7 +139,7 @@ static void sum_up(cli_volume_difference *out, const comparison *c, size_t n)
         out->psnr = hi > lo && out->rms > 0 && isfinite(out->rms) ? 20 * log10((hi - lo) / out->rms) : NAN;
 }
 
-vv_status cli_volume_compare(cli_volume_difference *out, const vv_field *a, const vv_field *b, vv_job *job)
+vv_status vvi_field_compare(vvi_field_difference *out, const vv_field *a, const vv_field *b, vv_job *job)
 {
     static const vvi_work work = {.stage = "compare", .start = start, .item = item, .finish = finish};
     const size_t n = (size_t)vv_field_get_info(a)->grid.dims[2];
@@ -157,7 +157,7 @@ vv_status cli_volume_compare(cli_volume_difference *out, const vv_field *a, cons
     return st;
 }
 
-double cli_placement_difference(const vv_grid *a, const vv_grid *b)
+double vvi_placement_difference(const vv_grid *a, const vv_grid *b)
 {
     double most = 0;
     for (int corner = 0; corner < 8; corner++) {

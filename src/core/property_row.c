@@ -1,7 +1,5 @@
 /* Where a property path leads, followed through the classes alone. */
-#include "core/names.h"
-#include "core/status.h"
-#include "value.h"
+#include "core/property_impl.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -97,8 +95,8 @@ static vv_status step(walk *w, const char *part)
     return VV_OK;
 }
 
-vv_status cli_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root, const char *path,
-                       const vv_property_context *context)
+vv_status vv_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root, const char *path,
+                      const vv_property_context *context)
 {
     walk w = {.context = context, .cls = root, .path = path};
     vv_status st = VV_OK;

@@ -1,10 +1,10 @@
-#include "slices.h"
+#include "scene/preview_slices.h"
+#include "core/status.h"
 #include "grid/slice_axes.h"
-#include "slice_colors.h"
+#include "scene/preview_colors.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define READ_WHOLE ((uint64_t)64 << 20) /* bytes: decoding three times costs more */
@@ -21,25 +21,19 @@ typedef struct plane {
     bool apart;           /* so far that what lies between is not worth reading */
 } plane;
 
-static bool read_once(const char *path)
-{
-    struct stat s;
-    return strcmp(path, "-") == 0 || (stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode));
-}
-
-static vv_status open_plane(plane *p, const vv_field *whole, const cli_input *input, int64_t frame, const vv_box *box,
+static vv_status open_plane(plane *p, const vv_field *whole, vv_file *file, int64_t frame, const vv_box *box,
                             vv_job *job)
 {
     if (whole)
         return vv_field_brick(&p->brick, whole, box, job);
-    const vv_status st = vv_file_read(&p->slab, input->file, frame, box, job);
+    const vv_status st = vv_file_read(&p->slab, file, frame, box, job);
     const vv_box all = st == VV_OK ? vv_field_box(p->slab) : *box;
     return st == VV_OK ? vv_field_brick(&p->brick, p->slab, &all, job) : st;
 }
 
-static void close_planes(plane planes[CLI_SLICES])
+static void close_planes(plane planes[VVI_SLICE_WAYS])
 {
-    for (int i = 0; i < CLI_SLICES; i++) {
+    for (int i = 0; i < VVI_SLICE_WAYS; i++) {
         vv_brick_release(&planes[i].brick);
         vv_field_release(planes[i].slab);
     }
@@ -47,7 +41,7 @@ static void close_planes(plane planes[CLI_SLICES])
 
 /* Of an axis with far more samples than its slice has pixels every k-th is enough: of a mapped file only what lies
  * there is read, and not a page for each sample of a slice that crosses all pages. */
-static void thin(plane *p, int64_t *stride, cli_slice *slice, int axis, int pixels)
+static void thin(plane *p, int64_t *stride, vvi_preview_slice *slice, int axis, int pixels)
 {
     const int64_t n = slice->n[axis], every = n / (*stride < PAGE ? CLOSE * pixels : pixels);
     if (every < 2)
@@ -60,19 +54,19 @@ static void thin(plane *p, int64_t *stride, cli_slice *slice, int axis, int pixe
 }
 
 /* One slice: the box, its samples, and which way they run on the screen. */
-static vv_status take_plane(plane *p, cli_slice *slice, const vvi_slice_axes *v, const vv_field *whole,
-                            const cli_input *input, int64_t frame, int pixels, vv_job *job)
+static vv_status take_plane(plane *p, vvi_preview_slice *slice, const vvi_slice_axes *v, const vv_field *whole,
+                            vv_file *file, int64_t frame, int pixels, vv_job *job)
 {
-    const vv_grid *grid = &vv_file_info(input->file)->grid;
+    const vv_grid *grid = &vv_file_info(file)->grid;
     int axis[3], sign[3];
     vvi_grid_index_axes(axis, sign, grid);
     const int a = axis[v->right], b = axis[v->up], c = axis[v->normal];
     vv_box box = {{0, 0, 0}, {grid->dims[0], grid->dims[1], grid->dims[2]}};
     box.lo[c] = grid->dims[c] / 2;
     box.n[c] = 1;
-    *slice =
-        (cli_slice){.n = {grid->dims[a], grid->dims[b]}, .step = {vv_grid_spacing(grid, a), vv_grid_spacing(grid, b)}};
-    const vv_status st = open_plane(p, whole, input, frame, &box, job);
+    *slice = (vvi_preview_slice){.n = {grid->dims[a], grid->dims[b]},
+                                 .step = {vv_grid_spacing(grid, a), vv_grid_spacing(grid, b)}};
+    const vv_status st = open_plane(p, whole, file, frame, &box, job);
     if (st != VV_OK)
         return st;
     p->across = p->brick.stride[a];
@@ -91,27 +85,27 @@ static vv_status take_plane(plane *p, cli_slice *slice, const vvi_slice_axes *v,
     return VV_OK;
 }
 
-static vv_status paint(cli_slice *slice, const plane *p, const cli_slice_colors *colors)
+static vv_status paint(vvi_preview_slice *slice, const plane *p, const vvi_preview_colors *colors)
 {
     const size_t n = (size_t)(slice->n[0] * slice->n[1]);
     slice->rgb = malloc(n * 3 * sizeof *slice->rgb);
     if (!slice->rgb)
         return vv_fail_memory(n * 3 * sizeof *slice->rgb);
-    slice->nearest = cli_slice_colors_nearest(colors);
+    slice->nearest = vvi_preview_colors_nearest(colors);
     for (int64_t j = 0; j < slice->n[1]; j++)
         for (int64_t i = 0; i < slice->n[0]; i++)
-            cli_slice_color(slice->rgb + 3 * (j * slice->n[0] + i), colors, p->first + i * p->across + j * p->down);
+            vvi_preview_color(slice->rgb + 3 * (j * slice->n[0] + i), colors, p->first + i * p->across + j * p->down);
     return VV_OK;
 }
 
 /* A regular part of the samples of all slices is enough for percentiles. */
-static void look(cli_slice_colors *colors, const cli_slice *slices, const plane *planes, int n)
+static void look(vvi_preview_colors *colors, const vvi_preview_slice *slices, const plane *planes, int n)
 {
     for (int s = 0; s < n; s++) {
         const int64_t all = slices[s].n[0] * slices[s].n[1], every = all / 200000 + 1;
         for (int64_t at = 0; at < all; at += every)
-            cli_slice_colors_look(colors, planes[s].first + at % slices[s].n[0] * planes[s].across +
-                                              at / slices[s].n[0] * planes[s].down);
+            vvi_preview_colors_look(colors, planes[s].first + at % slices[s].n[0] * planes[s].across +
+                                                at / slices[s].n[0] * planes[s].down);
     }
 }
 
@@ -138,63 +132,63 @@ static int extent(const vvi_slice_axes *v, const vv_grid *grid, const int axis[3
 }
 
 /* All three of a volume; of an image or a line the first that shows all of it. */
-static vv_status take_all(cli_slice out[CLI_SLICES], plane planes[CLI_SLICES], int *n_out, const vv_field *whole,
-                          const cli_input *input, int64_t frame, int pixels, vv_job *job)
+static vv_status take_all(vvi_preview_slice out[VVI_SLICE_WAYS], plane planes[VVI_SLICE_WAYS], int *n_out,
+                          const vv_field *whole, vv_file *file, int64_t frame, int pixels, vv_job *job)
 {
-    const vv_grid *grid = &vv_file_info(input->file)->grid;
+    const vv_grid *grid = &vv_file_info(file)->grid;
     const vvi_slice_axes *views = vvi_slice_axes_of(grid->space);
     vv_status st = VV_OK;
     int axis[3], sign[3], most = 0, least = 2;
     vvi_grid_index_axes(axis, sign, grid);
-    for (int i = 0; i < CLI_SLICES; i++) {
+    for (int i = 0; i < VVI_SLICE_WAYS; i++) {
         const int n = extent(&views[i], grid, axis);
         most = n > most ? n : most;
         least = n < least ? n : least;
     }
-    for (int i = 0; i < CLI_SLICES && st == VV_OK; i++) {
+    for (int i = 0; i < VVI_SLICE_WAYS && st == VV_OK; i++) {
         if (least < 2 && (*n_out > 0 || extent(&views[i], grid, axis) < most))
             continue;
-        st = take_plane(&planes[*n_out], &out[*n_out], &views[i], whole, input, frame,
-                        least < 2 ? pixels : pixels / CLI_SLICES + 1, job);
+        st = take_plane(&planes[*n_out], &out[*n_out], &views[i], whole, file, frame,
+                        least < 2 ? pixels : pixels / VVI_SLICE_WAYS + 1, job);
         ++*n_out;
     }
     return st;
 }
 
-vv_status cli_slices_read(cli_slice out[CLI_SLICES], int *n_out, const cli_input *input, const vv_field *field,
-                          int64_t frame, int pixels, vv_job *job)
+vv_status vvi_preview_slices_read(vvi_preview_slice out[VVI_SLICE_WAYS], int *n_out, vv_file *file,
+                                  const vv_field *field, int64_t frame, int pixels, vv_job *job)
 {
-    plane planes[CLI_SLICES] = {0};
+    plane planes[VVI_SLICE_WAYS] = {0};
     vv_field *whole = NULL;
-    cli_slice_colors *colors = NULL;
+    vvi_preview_colors *colors = NULL;
     uint64_t bytes = 0;
     *n_out = 0;
-    memset(out, 0, CLI_SLICES * sizeof *out);
-    vv_status st = vv_field_info_bytes(&bytes, vv_file_info(input->file));
-    const bool cheap = bytes <= READ_WHOLE || vv_file_mappable(input->file); /* mapped: nothing is read yet */
-    if (st == VV_OK && !field && (cheap || read_once(input->path)))
-        st = vv_file_read(&whole, input->file, frame, NULL, job);
+    memset(out, 0, VVI_SLICE_WAYS * sizeof *out);
+    vv_status st = vv_field_info_bytes(&bytes, vv_file_info(file));
+    const bool cheap = bytes <= READ_WHOLE || vv_file_mappable(file); /* mapped: nothing is read yet */
+    if (st == VV_OK && !field && cheap)
+        st = vv_file_read(&whole, file, frame, NULL, job);
     if (st == VV_OK)
-        st = take_all(out, planes, n_out, field ? field : whole, input, frame, pixels, job);
-    if (st == VV_OK && whole && vv_file_mappable(input->file))
+        st = take_all(out, planes, n_out, field ? field : whole, file, frame, pixels, job);
+    if (st == VV_OK && whole && vv_file_mappable(file))
         read_no_more(planes, *n_out);
     if (st == VV_OK)
-        st = cli_slice_colors_new(&colors, input);
+        st = vvi_preview_colors_new(&colors, file);
     if (st == VV_OK) {
         look(colors, out, planes, *n_out);
-        st = cli_slice_colors_settle(colors, job);
+        st = vvi_preview_colors_settle(colors, job);
     }
     for (int i = 0; i < *n_out && st == VV_OK; i++)
         st = paint(&out[i], &planes[i], colors);
-    cli_slice_colors_free(colors);
+    vvi_preview_colors_free(colors);
     close_planes(planes);
     vv_field_release(whole);
     return st;
 }
 
-void cli_slices_finish(cli_slice slices[CLI_SLICES])
+void vvi_preview_slices_finish(vvi_preview_slice slices[VVI_SLICE_WAYS])
 {
-    for (int i = 0; i < CLI_SLICES; i++) {
+    for (int i = 0; i < VVI_SLICE_WAYS; i++) {
         free(slices[i].rgb);
         slices[i].rgb = NULL;
     }

@@ -1,4 +1,5 @@
-#include "slice_colors.h"
+#include "scene/preview_colors.h"
+#include "core/status.h"
 #include "grid/field.h"
 #include "grid/fill_value.h"
 #include "grid/label_color.h"
@@ -28,7 +29,7 @@ typedef struct window {
     size_t n_seen;
 } window;
 
-struct cli_slice_colors {
+struct vvi_preview_colors {
     mode mode;
     vv_field_info info;
     vv_type type;
@@ -58,7 +59,7 @@ static int by_value(const void *a, const void *b)
     return vvi_label_compare(((const vv_label *)a)->value, ((const vv_label *)b)->value, false);
 }
 
-static vv_status take_labels(cli_slice_colors *c, const vv_file *file)
+static vv_status take_labels(vvi_preview_colors *c, const vv_file *file)
 {
     const vv_label *labels = vv_file_labels(file, &c->n_labels);
     if (c->n_labels == 0)
@@ -71,7 +72,7 @@ static vv_status take_labels(cli_slice_colors *c, const vv_file *file)
     return VV_OK;
 }
 
-static vv_status take_channels(cli_slice_colors *c, const vv_field_info *info, const vv_file *file)
+static vv_status take_channels(vvi_preview_colors *c, const vv_field_info *info, const vv_file *file)
 {
     size_t n;
     const vv_channel *channels = vv_file_channels(file, &n);
@@ -90,10 +91,10 @@ static vv_status take_channels(cli_slice_colors *c, const vv_field_info *info, c
     return VV_OK;
 }
 
-vv_status cli_slice_colors_new(cli_slice_colors **out, const cli_input *input)
+vv_status vvi_preview_colors_new(vvi_preview_colors **out, const vv_file *file)
 {
-    const vv_field_info *info = vv_file_info(input->file);
-    cli_slice_colors *c = calloc(1, sizeof *c);
+    const vv_field_info *info = vv_file_info(file);
+    vvi_preview_colors *c = calloc(1, sizeof *c);
     *out = c;
     if (!c)
         return vv_fail_memory(sizeof *c);
@@ -107,15 +108,15 @@ vv_status cli_slice_colors_new(cli_slice_colors **out, const cli_input *input)
               : info->meaning == VV_MEANING_VECTOR && info->components <= VVI_CHANNELS_SHOWN ? MODE_LENGTH
                                                                                              : MODE_CHANNELS;
     c->components = c->mode == MODE_CHANNELS && !vvi_has_channels(info) ? 1 : info->components;
-    c->padded = vvi_file_padding(c->padding, input->file);
+    c->padded = vvi_file_padding(c->padding, file);
     for (int i = 0; i < 2; i++)
         c->padding[i] = c->padding[i] * c->scale + c->offset;
     if (c->mode == MODE_LABELS)
-        return take_labels(c, input->file);
-    return c->mode == MODE_COLORS ? VV_OK : take_channels(c, info, input->file);
+        return take_labels(c, file);
+    return c->mode == MODE_COLORS ? VV_OK : take_channels(c, info, file);
 }
 
-void cli_slice_colors_free(cli_slice_colors *c)
+void vvi_preview_colors_free(vvi_preview_colors *c)
 {
     if (!c)
         return;
@@ -125,13 +126,13 @@ void cli_slice_colors_free(cli_slice_colors *c)
     free(c);
 }
 
-bool cli_slice_colors_nearest(const cli_slice_colors *c)
+bool vvi_preview_colors_nearest(const vvi_preview_colors *c)
 {
     return c->mode == MODE_LABELS;
 }
 
 /* What the windows are over: each channel, or the length of the vector. Returns how many. */
-static int values_of(double out[VVI_CHANNELS_SHOWN], const cli_slice_colors *c, const char *sample)
+static int values_of(double out[VVI_CHANNELS_SHOWN], const vvi_preview_colors *c, const char *sample)
 {
     double square = 0;
     vvi_samples_to_f64(out, sample, c->type, (size_t)c->components);
@@ -145,7 +146,7 @@ static int values_of(double out[VVI_CHANNELS_SHOWN], const cli_slice_colors *c, 
     return 1;
 }
 
-void cli_slice_colors_look(cli_slice_colors *c, const char *sample)
+void vvi_preview_colors_look(vvi_preview_colors *c, const char *sample)
 {
     double v[VVI_CHANNELS_SHOWN];
     if (c->mode != MODE_CHANNELS && c->mode != MODE_LENGTH)
@@ -181,7 +182,7 @@ static vv_status field_of(vv_field **out, const window *w, vv_job *job)
 }
 
 /* By the rule for whole fields; they are seen no more. */
-static vv_status leave_fills_out(window *w, const cli_slice_colors *c, vv_job *job)
+static vv_status leave_fills_out(window *w, const vvi_preview_colors *c, vv_job *job)
 {
     vv_field *field = NULL;
     size_t n = 0;
@@ -231,7 +232,7 @@ static vv_status settle_about_zero(window *w, const vv_field_info *info, vv_job 
     return st;
 }
 
-vv_status cli_slice_colors_settle(cli_slice_colors *c, vv_job *job)
+vv_status vvi_preview_colors_settle(vvi_preview_colors *c, vv_job *job)
 {
     vv_status st = VV_OK;
     for (int i = 0; i < VVI_CHANNELS_SHOWN && st == VV_OK; i++)
@@ -244,7 +245,7 @@ vv_status cli_slice_colors_settle(cli_slice_colors *c, vv_job *job)
     return st;
 }
 
-static void label_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+static void label_color(float rgb[3], const vvi_preview_colors *c, const char *sample)
 {
     double own[3], encoded[3];
     const vv_label key = {.value = vvi_label_of(sample, c->type)};
@@ -259,7 +260,7 @@ static void label_color(float rgb[3], const cli_slice_colors *c, const char *sam
         rgb[i] = (float)encoded[i];
 }
 
-static void own_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+static void own_color(float rgb[3], const vvi_preview_colors *c, const char *sample)
 {
     double v[4] = {0, 0, 0, c->full};
     vvi_samples_to_f64(v, sample, c->type, (size_t)c->components);
@@ -269,7 +270,7 @@ static void own_color(float rgb[3], const cli_slice_colors *c, const char *sampl
     }
 }
 
-void cli_slice_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+void vvi_preview_color(float rgb[3], const vvi_preview_colors *c, const char *sample)
 {
     double v[VVI_CHANNELS_SHOWN], sum[3] = {0};
     if (c->mode == MODE_LABELS || c->mode == MODE_COLORS) {

@@ -1,13 +1,12 @@
 /* Paths that name entries of maps and lists by a star or by number: `volumes.*.visible`, `volumes.0.visible`. */
 #include "core/memory.h"
 #include "core/property_impl.h"
-#include "value.h"
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct each {
     const vv_object *root;
-    cli_path_fn *fn;
+    vv_path_fn *fn;
     void *user;
 } each;
 
@@ -90,7 +89,7 @@ static vv_status expand(const each *e, const char *path, size_t from)
     return e->fn(e->user, path);
 }
 
-vv_status cli_path_each(const vv_object *root, const char *path, cli_path_fn *fn, void *user)
+vv_status vv_path_expand(const vv_object *root, const char *path, vv_path_fn *fn, void *user)
 {
     return expand(&(each){root, fn, user}, path, 0);
 }
