@@ -131,7 +131,6 @@ vv_status vv_picture_save(const vv_picture *picture, const char *path, vv_job *j
     if (st != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
     const header h = header_of(&picture->got, depends, bytes_of(parts, n));
-    vvi_sink_spare_inputs(sink);
     if ((st = vvi_sink_write(sink, &h, sizeof h)) == VV_OK && (st = write_parts(sink, parts, n)) == VV_OK)
         return vvi_sink_commit(sink);
     vvi_sink_abandon(sink);

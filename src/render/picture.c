@@ -7,222 +7,7 @@
 #include "gfx/gfx.h"
 #include "render/decorate/decorate.h"
 #include "scene/resolve.h"
-#include <math.h>
 #include <string.h>
-
-/* What it gathers ------------------------------------------------------------------------------------------------- */
-
-static vvi_stage first_stage(const vv_picture *picture)
-{
-    const vv_scene *scene = picture->scene;
-    const bool coarse = scene->adaptive || (picture->coarse && !scene->renderer->plane);
-    return scene->renderer->draw ? VVI_STAGE_DRAW : coarse ? VVI_STAGE_GRID : VVI_STAGE_FIRST;
-}
-
-vv_status vvi_gathered_begin(vvi_gathered *got, const vv_scene *scene, vvi_stage stage, vv_job *job)
-{
-    const int32_t w = scene->width, h = scene->height;
-    *got = (vvi_gathered){.stage = stage, .n_tiles = vvi_picture_tiles_most(w, h)};
-    vv_status st = vv_image_new(&got->image, w, h, scene->layers, job);
-    if (st == VV_OK && stage <= VVI_STAGE_SQUARES)
-        st = vv_image_new(&got->canvas, vvi_preview_size(w), vvi_preview_size(h), scene->layers, job);
-    got->done = vvi_alloc_zeroed(job, got->n_tiles, VVI_MEM_SCRATCH);
-    return st == VV_OK && !got->done ? vv_fail_memory(got->n_tiles) : st;
-}
-
-vv_status vvi_gathered_begin_passes(vvi_gathered *got, const vv_scene *scene, vv_job *job)
-{
-    const size_t n = (size_t)scene->width * (size_t)scene->height, half_bytes = n * 4 * sizeof *got->half;
-    got->n_across = (scene->width + VVI_BLOCK - 1) / VVI_BLOCK;
-    got->n_down = (scene->height + VVI_BLOCK - 1) / VVI_BLOCK;
-    const size_t n_blocks = (size_t)got->n_across * (size_t)got->n_down;
-    const vv_status st = vv_image_new(&got->shifted, scene->width + 1, scene->height + 1, 0, job);
-    if (st != VV_OK)
-        return st;
-    got->active = vvi_alloc(job, n_blocks, VVI_MEM_SCRATCH);
-    if (scene->noise > 0)
-        got->half = vvi_alloc_zeroed(job, half_bytes, VVI_MEM_IMAGE);
-    if (!got->active || (scene->noise > 0 && !got->half))
-        return vv_fail_memory(half_bytes + n_blocks);
-    memset(got->active, 1, n_blocks);
-    return VV_OK;
-}
-
-static void finish_passes(vvi_gathered *got)
-{
-    vv_image_release(got->shifted);
-    vvi_free(got->half);
-    vvi_free(got->active);
-    got->shifted = NULL;
-    got->half = NULL;
-    got->active = NULL;
-}
-
-void vvi_gathered_finish(vvi_gathered *got)
-{
-    finish_passes(got);
-    vv_image_release(got->image);
-    vv_image_release(got->canvas);
-    vvi_free(got->done);
-    *got = (vvi_gathered){.image = NULL};
-}
-
-/* Stages ---------------------------------------------------------------------------------------------------------- */
-
-double vvi_picture_spent(const vv_picture *picture)
-{
-    return picture->got.spent_s + (vvi_render_clock() - picture->began_s);
-}
-
-/* A pass of a ray for each pixel is there. */
-static void end_first_pass(vv_picture *picture)
-{
-    vv_image_release(picture->got.canvas);
-    picture->got.canvas = NULL;
-    picture->got.passes = 1;
-    picture->got.stage = VVI_STAGE_JUDGE;
-}
-
-static vv_status show_canvas(vv_picture *picture)
-{
-    const vv_status st = vvi_preview_show(picture, picture->got.image, 1);
-    if (st == VV_OK)
-        end_first_pass(picture);
-    return st;
-}
-
-/* From coarse to fine, for who waits; and with squares filled in where that does. */
-static vv_status do_grid(vv_picture *picture)
-{
-    vvi_gathered *got = &picture->got;
-    bool whole = got->grid == VVI_GRIDS;
-    vv_status st = whole ? VV_OK : vvi_preview_go_on(&whole, picture);
-    if (st != VV_OK || !whole)
-        return st;
-    got->grid += got->grid < VVI_GRIDS;
-    if (picture->scene->adaptive)
-        got->stage = VVI_STAGE_SQUARES;
-    return got->grid == VVI_GRIDS ? show_canvas(picture) : VV_OK;
-}
-
-static vv_status do_squares(vv_picture *picture)
-{
-    const vv_status st = vvi_adaptive_finish(picture);
-    return st == VV_OK ? show_canvas(picture) : st;
-}
-
-static vv_status first_tile(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
-                            vv_render_counts *counts)
-{
-    const vv_pass pass = vvi_picture_pass(picture, 0.5, 0.5, 1, 0);
-    return vvi_picture_render(picture, &pass, tile, picture->got.image, counts);
-}
-
-static vv_status do_first(vv_picture *picture)
-{
-    bool whole;
-    const vv_status st = vvi_picture_go_on(
-        &whole, picture,
-        &(vvi_tiles){.width = picture->scene->width, .height = picture->scene->height, .tile = first_tile});
-    if (st == VV_OK && whole)
-        end_first_pass(picture);
-    return st;
-}
-
-/* On an image that is clear: what was drawn before a cancel is no part of it. */
-static vv_status do_draw(vv_picture *picture)
-{
-    const vv_scene *scene = picture->scene;
-    vvi_gathered *got = &picture->got;
-    vv_image *image = NULL;
-    vv_render_counts counts = {0};
-    int64_t samples = 1;
-    vv_image_release(got->image);
-    got->image = NULL;
-    vv_status st = vv_image_new(&image, scene->width, scene->height, scene->layers, picture->job);
-    got->image = image;
-    if (st != VV_OK)
-        return st;
-    st = scene->renderer->draw(picture->state, image, scene->samples, &samples, &counts, picture->job);
-    if (st != VV_OK)
-        return st;
-    const size_t n = (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; image->samples && i < n; i++)
-        image->samples[i] = (uint32_t)samples;
-    got->counts = counts;
-    got->passes = samples;
-    got->ended_by = VV_END_SAMPLES;
-    got->stage = VVI_STAGE_END;
-    return VV_OK;
-}
-
-static vv_status do_rays(vv_picture *picture)
-{
-    bool whole;
-    const vv_status st = vvi_pass_cast(&whole, picture);
-    if (st == VV_OK && whole)
-        picture->got.stage = VVI_STAGE_ADD;
-    return st;
-}
-
-static vv_status do_add(vv_picture *picture)
-{
-    bool whole;
-    const vv_status st = vvi_pass_add(&whole, picture);
-    if (st != VV_OK || !whole)
-        return st;
-    picture->got.passes++;
-    picture->got.stage = VVI_STAGE_JUDGE;
-    return VV_OK;
-}
-
-/* A pass that would not end in time is not begun: it takes as long as the last one. Tells the progress how many there
- * will be, too. */
-static bool is_time_over(vv_picture *picture)
-{
-    const vvi_gathered *got = &picture->got;
-    const double spent_s = vvi_picture_spent(picture), left_s = picture->scene->budget_s - spent_s;
-    if (!(picture->scene->budget_s > 0))
-        return false;
-    const double passes = left_s / (spent_s - got->pass_began_s);
-    const double tiles = (double)picture->n_done / (double)got->passes;
-    picture->n_ahead = (uint64_t)fmin((double)picture->n_ahead, fmax(passes * tiles, 0));
-    return passes < 1;
-}
-
-/* After 1, 5, 9, ... passes: rarely enough to cost nothing, and there they lie evenly about the centres. */
-static vv_status check_noise(vv_picture *picture)
-{
-    return picture->scene->noise > 0 && picture->got.passes % 4 == 1 ? vvi_noise_check(picture) : VV_OK;
-}
-
-static vv_status do_judge(vv_picture *picture)
-{
-    const vv_scene *scene = picture->scene;
-    vvi_gathered *got = &picture->got;
-    vv_status st = VV_OK;
-    if (scene->samples > 1 && !got->shifted) {
-        finish_passes(got); /* of a try that had no memory */
-        st = vvi_gathered_begin_passes(got, scene, picture->job);
-    }
-    if (st == VV_OK && scene->samples > 1)
-        st = check_noise(picture);
-    if (st != VV_OK)
-        return st;
-    got->ended_by = scene->samples > 1 && vvi_blocks_active(got) == 0 ? VV_END_NOISE
-                    : got->passes >= scene->samples                   ? VV_END_SAMPLES
-                    : is_time_over(picture)                           ? VV_END_BUDGET
-                                                                      : VV_END_NONE;
-    got->pass_began_s = vvi_picture_spent(picture);
-    got->stage = got->ended_by == VV_END_NONE ? VVI_STAGE_RAYS : VVI_STAGE_END;
-    return VV_OK;
-}
-
-static vv_status (*const stages[])(vv_picture *picture) = {
-    [VVI_STAGE_GRID] = do_grid,   [VVI_STAGE_SQUARES] = do_squares, [VVI_STAGE_FIRST] = do_first,
-    [VVI_STAGE_DRAW] = do_draw,   [VVI_STAGE_RAYS] = do_rays,       [VVI_STAGE_ADD] = do_add,
-    [VVI_STAGE_JUDGE] = do_judge,
-};
 
 /* Its end --------------------------------------------------------------------------------------------------------- */
 
@@ -282,7 +67,7 @@ static vv_status count_covered(vv_picture *picture, void *user, const vv_tile *t
 static vv_status end_whole(vv_picture *picture)
 {
     const vv_image *image = picture->got.image;
-    finish_passes(&picture->got);
+    vvi_gathered_finish_passes(&picture->got);
     const vv_status st = vvi_picture_loop(
         picture, &(vvi_tiles){.width = image->width, .height = image->height, .tile = count_covered, .quiet = true});
     if (st != VV_OK)
@@ -315,6 +100,11 @@ static void work_in(vv_picture *picture, vv_job *job)
 }
 
 /* Steps ----------------------------------------------------------------------------------------------------------- */
+
+double vvi_picture_spent(const vv_picture *picture)
+{
+    return picture->got.spent_s + (vvi_render_clock() - picture->began_s);
+}
 
 void vv_picture_until_init(vv_picture_until *until, size_t size)
 {
@@ -359,7 +149,7 @@ vv_status vv_picture_step(vv_picture *picture, const vv_picture_until *until, vv
     picture->began_s = vvi_render_clock();
     picture->deadline_s = all.seconds > 0 ? picture->began_s + all.seconds : 0;
     while (st == VV_OK && !enough) {
-        st = stages[picture->got.stage](picture);
+        st = vvi_picture_do_stage(picture);
         if (st == VV_OK && vv_picture_is_whole(picture))
             st = end_whole(picture);
         if (st == VV_OK)
@@ -408,6 +198,13 @@ void vvi_picture_foresee(vv_picture *picture)
     const uint64_t passes = (uint64_t)picture->got.passes, all = (uint64_t)scene->samples;
     picture->n_done = tiles * passes;
     picture->n_ahead = all > passes ? tiles * (all - passes) : 0;
+}
+
+static vvi_stage first_stage(const vv_picture *picture)
+{
+    const vv_scene *scene = picture->scene;
+    const bool coarse = scene->adaptive || (picture->coarse && !scene->renderer->plane);
+    return scene->renderer->draw ? VVI_STAGE_DRAW : coarse ? VVI_STAGE_GRID : VVI_STAGE_FIRST;
 }
 
 static vv_status prepare(vv_picture *picture)

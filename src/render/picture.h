@@ -1,7 +1,7 @@
 /** @file
- * One picture on its way: what its parts share. picture.c says in which order its stages come; picture_tiles.c runs
- * their loops; preview.c and adaptive.c make a picture from fewer rays than pixels, pixel_rays.c from more;
- * picture_look.c shows it; checkpoint.c keeps what it has gathered.
+ * One picture on its way: what its parts share. picture.c is the object; picture_stages.c says which stages there are,
+ * picture_tiles.c runs their loops; preview.c and adaptive.c make a picture from fewer rays than pixels, pixel_rays.c
+ * from more; picture_look.c shows it; checkpoint.c keeps what it has gathered.
  */
 #ifndef VVI_RENDER_PICTURE_H
 #define VVI_RENDER_PICTURE_H
@@ -97,7 +97,11 @@ vv_status vvi_scene_health(const vv_scene *scene);
  * On failure, too, vvi_gathered_finish(). */
 vv_status vvi_gathered_begin(vvi_gathered *got, const vv_scene *scene, vvi_stage stage, vv_job *job);
 vv_status vvi_gathered_begin_passes(vvi_gathered *got, const vv_scene *scene, vv_job *job);
+/** What only further passes need. */
+void vvi_gathered_finish_passes(vvi_gathered *got);
 void vvi_gathered_finish(vvi_gathered *got);
+/** Goes on with its stage, until that is done or the deadline has come; the next one is set then. */
+vv_status vvi_picture_do_stage(vv_picture *picture);
 
 /* Looking (picture_look.c) ---------------------------------------------------------------------------------------- */
 
