@@ -116,6 +116,8 @@ VV_API vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *v
 VV_API vv_status vv_picture_step(vv_picture *picture, const vv_picture_until *until, vv_job *job);
 /** Whether it is done: further steps do nothing. */
 VV_API bool vv_picture_is_whole(const vv_picture *picture);
+/** How much of it is done, 0 to 1, of what it may need at most: noise and time may end it before. */
+VV_API double vv_picture_done(const vv_picture *picture);
 /** What there is to look at: -1 at most parts; 0, 1 and 2 as vv_refinement.level. */
 VV_API int vv_picture_level(const vv_picture *picture);
 

@@ -117,6 +117,12 @@ bool vv_picture_is_whole(const vv_picture *picture)
     return picture->got.stage == VVI_STAGE_END;
 }
 
+double vv_picture_done(const vv_picture *picture)
+{
+    const double done = (double)picture->n_done, all = done + (double)picture->n_ahead;
+    return vv_picture_is_whole(picture) ? 1 : all > 0 ? done / all : 0;
+}
+
 int vv_picture_level(const vv_picture *picture)
 {
     const vvi_gathered *got = &picture->got;
@@ -196,8 +202,11 @@ void vvi_picture_foresee(vv_picture *picture)
     const uint64_t across = ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE;
     const uint64_t tiles = across * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     const uint64_t passes = (uint64_t)picture->got.passes, all = (uint64_t)scene->samples;
-    picture->n_done = tiles * passes;
-    picture->n_ahead = all > passes ? tiles * (all - passes) : 0;
+    uint64_t begun = 0;
+    for (size_t i = 0; i < picture->got.n_tiles; i++)
+        begun += picture->got.stage != VVI_STAGE_ADD && picture->got.done[i];
+    picture->n_done = tiles * passes + begun;
+    picture->n_ahead = tiles * all > picture->n_done ? tiles * all - picture->n_done : 0;
 }
 
 static vvi_stage first_stage(const vv_picture *picture)

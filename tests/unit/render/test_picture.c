@@ -6,10 +6,12 @@
 #include "render/picture_depends.h"
 #include <pthread.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <volvis/volvis.h>
 
@@ -226,6 +228,55 @@ static void a_picture_resumed_after_every_step_has_the_same_bytes(void **state)
     unlink(file);
 }
 
+/* A process that steps and saves until it is killed: mostly while it saves. */
+static void step_and_save(const manner *way, bool resumes)
+{
+    setup s;
+    begin(&s, way, 2);
+    vv_picture *picture = new_picture(&s, way->coarse);
+    if (resumes && vv_picture_resume(picture, file, s.job) != VV_OK)
+        _exit(1);
+    while (!vv_picture_is_whole(picture)) {
+        step(picture, 1e-4, s.job);
+        if (vv_picture_save(picture, file, s.job) != VV_OK)
+            _exit(2);
+    }
+    _exit(0);
+}
+
+static void a_picture_whose_process_was_killed_goes_on_with_the_same_bytes(void **state)
+{
+    const manner *way = &ways[4];
+    const expected e = render(way);
+    setup s;
+    int killed = 0;
+    (void)state;
+    unlink(file);
+    for (unsigned i = 0; i < 10; i++) {
+        int status;
+        const bool there = access(file, F_OK) == 0;
+        const pid_t child = fork();
+        if (child == 0)
+            step_and_save(way, there);
+        usleep(20000 + (unsigned)(30000 * test_random_unit(test_seed(), i)));
+        kill(child, SIGKILL);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        killed += WIFSIGNALED(status);
+        assert_true(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+    }
+    assert_true(killed > 0);
+    begin(&s, way, 3);
+    vv_picture *picture = new_picture(&s, way->coarse);
+    const vv_status st = vv_picture_resume(picture, file, s.job);
+    assert_true(st == VV_OK || st == VV_E_NOT_FOUND); /* none had come so far */
+    step(picture, 0, s.job);
+    check(picture, &e, "killed", s.job);
+    vv_picture_free(picture);
+    end(&s);
+    vv_image_release(e.image);
+    unlink(file);
+}
+
 static vv_status try_file(vv_picture *picture, const uint8_t *bytes, size_t n, vv_job *job)
 {
     FILE *out = fopen(file, "wb");
@@ -398,6 +449,7 @@ int main(void)
         cmocka_unit_test(deadlines_change_no_byte),
         cmocka_unit_test(a_cancelled_step_loses_nothing_that_was_whole),
         cmocka_unit_test(a_picture_resumed_after_every_step_has_the_same_bytes),
+        cmocka_unit_test(a_picture_whose_process_was_killed_goes_on_with_the_same_bytes),
         cmocka_unit_test(a_damaged_or_cut_checkpoint_is_refused_and_the_picture_stays),
         cmocka_unit_test(a_checkpoint_is_taken_for_what_its_picture_depends_on_alone),
         cmocka_unit_test(other_samples_make_another_picture),
