@@ -298,9 +298,7 @@ vv_status vv_picture_resume(vv_picture *picture, const char *path, vv_job *job)
     vvi_source_close(source);
     if (st != VV_OK)
         return st;
-    vvi_gathered_finish(&picture->got);
-    picture->got = got;
-    vvi_picture_foresee(picture);
+    vvi_picture_adopt(picture, &got);
     return VV_OK;
 }
 

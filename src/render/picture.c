@@ -195,8 +195,8 @@ vv_status vvi_accepts(const vv_scene *scene)
     return renderer->accepts ? renderer->accepts(scene) : VV_OK;
 }
 
-/* At most: noise and time may end it before. */
-void vvi_picture_foresee(vv_picture *picture)
+/* Tiles behind and ahead; at most: noise and time may end it before. */
+static void foresee(vv_picture *picture)
 {
     const vv_scene *scene = picture->scene;
     const uint64_t across = ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE;
@@ -249,9 +249,17 @@ vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bo
     }
     picture->load_s = ((const vvi_resolved *)(const void *)picture->scene)->load_s;
     picture->prepare_s = vvi_render_clock() - start_s - picture->load_s;
-    vvi_picture_foresee(picture);
+    foresee(picture);
     *out = picture;
     return VV_OK;
+}
+
+void vvi_picture_adopt(vv_picture *picture, vvi_gathered *got)
+{
+    vvi_gathered_finish(&picture->got);
+    picture->got = *got;
+    *got = (vvi_gathered){.image = NULL};
+    foresee(picture);
 }
 
 void vv_picture_free(vv_picture *picture)

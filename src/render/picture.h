@@ -85,8 +85,8 @@ vv_pass vvi_picture_pass(const vv_picture *picture, double x, double y, int32_t 
 size_t vvi_picture_tiles_most(int32_t width, int32_t height);
 /** Seconds that rendering has taken until now. */
 double vvi_picture_spent(const vv_picture *picture);
-/** Tiles that are behind and ahead, for the progress. */
-void vvi_picture_foresee(vv_picture *picture);
+/** Takes what another picture that depends on the same things has gathered, in the place of its own. */
+void vvi_picture_adopt(vv_picture *picture, vvi_gathered *got);
 
 /** Whether the scene's renderer can draw it: VV_OK, or why not. */
 vv_status vvi_accepts(const vv_scene *scene);
