@@ -316,18 +316,18 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
 static int run_each(int argc, char **argv, size_t n)
 {
     const bool json = asks_json(argc, argv);
-    int code = 0;
+    int code = 0, last = 0;
     if (json)
         puts("[");
     for (size_t i = 0; i < n && !cli_signals_came(); i++) {
         if (json && i)
             puts(",");
-        const int one = run_once(argc, argv, (long)i, NULL);
-        code = code ? code : one;
+        last = run_once(argc, argv, (long)i, NULL);
+        code = code ? code : last;
     }
     if (json)
         puts("]");
-    return cli_signals_came() ? CLI_EXIT_INTERRUPTED : code;
+    return !cli_signals_came() ? code : last == CLI_EXIT_RESUMABLE ? last : CLI_EXIT_INTERRUPTED;
 }
 
 typedef struct words {

@@ -60,6 +60,7 @@ static void add_exit_codes(vvi_text *out)
         {"5", "the output cannot be written"},
         {"6", "a comparison differs"},
         {"7", "done in part: an input is damaged, and a warning names what is missing"},
+        {"75", "stopped, and the same command goes on from where it was"},
         {"130", "interrupted: whatever was complete is kept"},
     };
     vvi_text_add(out, ".SH EXIT STATUS\n");
