@@ -154,6 +154,18 @@ static vv_status take_long(cli_args *args, const cli_verb *verb, int argc, char 
     return VV_OK;
 }
 
+/* A word may be a formula, where a verb takes one. */
+static vv_status fail_letter(const cli_verb *verb, char letter, const char *word)
+{
+    const vv_class *cls = verb->own ? verb->own : verb->options[0];
+    for (const vv_property *row = cls ? cls->properties : NULL; row && row->name; row++)
+        if (row->positional)
+            return vv_fail(VV_E_ARGUMENT, "%s has no option -%c; as its %s write '0%s'", verb->name, letter, row->name,
+                           word);
+    return vv_fail(VV_E_ARGUMENT, "%s has no option -%c; 'volvis help %s' lists them, and './%s' is a file", verb->name,
+                   letter, verb->name, word);
+}
+
 /* "-q", "-qv", "-o FILE", "-oFILE" */
 static vv_status take_letters(cli_args *args, const cli_verb *verb, int argc, char **argv, int *at)
 {
@@ -161,8 +173,7 @@ static vv_status take_letters(cli_args *args, const cli_verb *verb, int argc, ch
     for (const char *letter = argv[*at] + 1; *letter; letter++) {
         cli_given given = {0};
         if (!find_letter(&given, verb, *letter))
-            return vv_fail(VV_E_ARGUMENT, "%s has no option -%c; 'volvis help %s' lists them, and './%s' is a file",
-                           verb->name, *letter, verb->name, argv[*at]);
+            return fail_letter(verb, *letter, argv[*at]);
         if (given.row->kind == VV_KIND_BOOL) {
             give(args, &given, "true");
             continue;

@@ -189,8 +189,7 @@ static vv_status take_data(cli_input *out, vv_read_options *options, const vv_vo
     return VV_OK;
 }
 
-/* volume: of a World, which may say what is missing; NULL: there is none. */
-static vv_status finish_open(cli_input *out, cli_command *command, const vv_volume *volume)
+vv_status cli_input_take(cli_input *out, cli_command *command, const vv_volume *volume)
 {
     const vv_status st = check_frame(out);
     return st == VV_OK ? cli_missing_take(out, command, volume) : st;
@@ -206,7 +205,7 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
         return st;
     if (options->part && !(out->part = strdup(options->part)))
         return vv_fail_memory(strlen(options->part));
-    return finish_open(out, command, volume);
+    return cli_input_take(out, command, volume);
 }
 
 /* Nothing is written over what the data are made of. */
@@ -228,7 +227,7 @@ static vv_status open_made(cli_input *out, cli_command *command, const vv_world 
     out->frame = out->frame >= 0 ? out->frame : volume->frame;
     if (st == VV_OK)
         st = vvi_dataset_open(&out->file, world, dataset, command->job);
-    return st == VV_OK ? finish_open(out, command, volume) : st;
+    return st == VV_OK ? cli_input_take(out, command, volume) : st;
 }
 
 /* `convert picture.png`: the data that the picture shows. */

@@ -37,6 +37,9 @@ const char *cli_input_pixels(const cli_command *command, const char *path);
 /** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading
  * options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);
+/** What was said of reading, where a file is open already: its time step is there, values that stand for what is
+ * missing are left out. volume: of a World, which may say these too; NULL: there is none. */
+vv_status cli_input_take(cli_input *input, cli_command *command, const vv_volume *volume);
 /** The same data as a World has them by now: `word` is the input that it came from. */
 vv_status cli_input_open_in(cli_input *out, cli_command *command, const vv_world *world, const char *word);
 /** The first bytes of a regular file, or of standard input ("-"), which stay there to be read; 0 of what cannot be

@@ -5,6 +5,7 @@
 #include "output.h"
 #include "value.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +47,22 @@ static void report(cli_command *command, const char *output, const vv_run_about 
                         run->run_s, run->write_s);
 }
 
-static void report_plan(cli_command *command, const char *output, const cli_input *inputs, size_t n_inputs,
-                        const vv_run_about *run)
+/* Files that can be read only once are left alone. */
+static void report_time(cli_command *command, const vvi_run_plan *plan, double n_results)
+{
+    bool once = false;
+    for (size_t i = 0; i < plan->n_inputs; i++)
+        once |= plan->inputs[i].name && strcmp(plan->inputs[i].name, "-") == 0;
+    const double seconds = once ? NAN : n_results * vvi_run_seconds(plan, command->job);
+    if (!isfinite(seconds))
+        return;
+    const char *const unit = seconds < 100 ? "s" : "min";
+    cli_command_line(command, "takes", "about %.2g %s of work, by what its middle takes; then reading and writing",
+                     seconds < 100 ? seconds : ceil(seconds / 60), unit);
+    vvi_result_number(&command->json, "seconds", seconds);
+}
+
+static void report_plan(cli_command *command, const char *output, const vvi_run_plan *plan, const vv_run_about *run)
 {
     char about[128], needed[32], working[32];
     uint64_t bytes = 0;
@@ -55,17 +70,21 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
     vvi_samples_print(about, &run->info, run->n_frames);
     vvi_print_bytes(needed, run->bytes);
     vvi_print_bytes(working, run->working);
-    for (size_t i = 0; i < n_inputs; i++) {
-        const vv_field_info *info = vv_file_info(inputs[i].file);
+    for (size_t i = 0; i < plan->n_inputs; i++) {
+        const vv_run_input *in = &plan->inputs[i];
+        const vv_field_info *info = in->file ? vv_file_info(in->file) : NULL;
         char from[128];
+        if (!info)
+            continue;
         vvi_samples_print(from, info, info->n_frames);
-        cli_command_line(command, "reads", "%s: %s", inputs[i].path, from);
+        cli_command_line(command, "reads", "%s: %s", in->name, from);
     }
     cli_command_line(command, "makes", "%s: %s%s", output, about,
                      run->finds_type ? ", as values: in the smallest type that holds them" : "");
     cli_command_line(command, "needs", "%s for samples and results%s%s%s%s", needed,
                      run->streamed ? ", slab by slab" : "", run->working ? "; about " : "", run->working ? working : "",
                      run->working ? " to work with" : "");
+    report_time(command, plan, (double)n_results);
     report_info(command, output, &run->info, run);
     if (vv_field_info_bytes(&bytes, &run->info) == VV_OK)
         vvi_result_unsigned(&command->json, "output_bytes", bytes * n_results);
@@ -76,13 +95,13 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
 }
 
 /* Runs and reports what is planned. */
-static vv_status finish(cli_command *command, const char *output, const cli_input *inputs, size_t n_inputs, vv_run *run)
+static vv_status finish(cli_command *command, const char *output, const vvi_run_plan *plan, vv_run *run)
 {
     const vv_run_about *about = vv_run_get_about(run);
     if (about->n_layers > 0)
-        cli_command_note(command, "%s: all %zu layers go into %s", inputs[0].path, about->n_layers, output);
+        cli_command_note(command, "%s: all %zu layers go into %s", plan->inputs[0].name, about->n_layers, output);
     if (command->common->dry_run) {
-        report_plan(command, output, inputs, n_inputs, about);
+        report_plan(command, output, plan, about);
         return VV_OK;
     }
     const vv_status st = vv_run_write(run);
@@ -103,33 +122,38 @@ static bool keep_type(vv_write_options *options, const cli_command *command, con
     return true;
 }
 
-vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
-                           size_t n_steps)
+vv_status cli_pipeline_run_plan(cli_command *command, const vvi_run_plan *plan)
 {
     vv_write_options options;
     const vv_run_output output = {command->common->output, &options};
     vv_run *run = NULL;
-    const cli_args *args = &command->args;
-    const size_t n_files = args->placed ? args->place[n_inputs - 1] + 1 : n_inputs; /* what is left out is a gap */
-    vv_run_input *files = calloc(n_files, sizeof *files);
-    if (!files)
-        return vv_fail_memory(n_files * sizeof *files);
-    for (size_t i = 0; i < n_inputs; i++) {
-        const cli_input *in = &inputs[i];
-        files[args->placed ? args->place[i] : i] =
-            (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
-    }
     cli_output_options(&options, command);
-    const bool kept = keep_type(&options, command, n_steps ? &steps[n_steps - 1] : NULL);
-    vv_status st = vv_run_new(&run, files, n_files, steps, n_steps, &output, command->verb.name, command->job);
+    const bool kept = keep_type(&options, command, plan->n_steps ? &plan->steps[plan->n_steps - 1] : NULL);
+    vv_status st = vvi_run_new(&run, plan, &output, command->job);
     if (st == VV_OK)
-        st = finish(command, output.path, inputs, n_inputs, run);
+        st = finish(command, output.path, plan, run);
     if (st == VV_OK && kept && vvi_has_scale(&vv_run_get_about(run)->written) && !command->common->dry_run)
         cli_command_note(command,
                          "%s: numbers of the type that was asked for, and beside them the scale that makes values of "
                          "them, which other programs may not know",
                          output.path);
     vv_run_release(run);
-    free(files);
     return st;
+}
+
+vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
+                           size_t n_steps)
+{
+    const cli_args *args = &command->args;
+    vv_run_input files[VVI_RUN_INPUTS] = {{0}};
+    vvi_run_plan plan = {
+        .inputs = files, .n_inputs = n_inputs, .steps = steps, .n_steps = n_steps, .name = command->verb.name};
+    for (size_t i = 0; i < n_inputs && n_inputs <= VVI_RUN_INPUTS; i++) {
+        const cli_input *in = &inputs[i];
+        const size_t place = args->placed ? args->place[i] : i; /* what is left out is a gap */
+        files[place] =
+            (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
+        plan.n_inputs = place + 1 > n_inputs ? place + 1 : n_inputs;
+    }
+    return cli_pipeline_run_plan(command, &plan);
 }

@@ -8,7 +8,6 @@
 #include "output.h"
 #include "pipeline.h"
 #include "run/made.h"
-#include "scene/load.h"
 #include "value.h"
 #include "verbs.h"
 #include "watch.h"
@@ -142,58 +141,22 @@ static vv_status write_mesh(piping *p)
 
 /* Samples ------------------------------------------------------------------------------------------------------- */
 
-/* "values=ct.nrrd" names an input. */
-static bool names_inputs(const piping *p)
+/* What was said of how the first file is read. */
+static vv_status take_reading(piping *p, vv_run_input *first)
 {
-    for (size_t i = 1; i < p->n; i++)
-        if (strchr(p->input[i], '=') && access(p->input[i], F_OK) != 0)
-            return true;
-    return false;
-}
-
-/* Whether each step but the first works on the one before it alone, and the first on the inputs as they stand. */
-static bool is_one_run(const vvi_made_chain *all, const piping *p, const vv_dataset *source)
-{
-    return !p->from_stream && !names_inputs(p) && all->input[0] == source && all->n_inputs == p->n;
-}
-
-static vv_status run_on_files(piping *p, const vvi_made_chain *all)
-{
-    cli_input inputs[INPUTS_MOST] = {{0}};
-    size_t n = 0;
-    vv_status st = VV_OK;
-    for (; n < p->n && st == VV_OK; n++)
-        st = cli_input_open(&inputs[n], p->command, p->input[n]);
-    if (st == VV_OK)
-        st = cli_pipeline_run(p->command, inputs, p->n, all->step, all->n);
-    for (size_t i = 0; i < n; i++)
-        cli_input_close(&inputs[i]);
-    return st;
-}
-
-/* With further inputs on the way: what is in between is in memory. */
-static vv_status run_on_world(piping *p)
-{
-    cli_input input = {.frame = p->frame, .path = strdup(p->input[0])};
-    vv_status st = input.path ? vvi_dataset_open(&input.file, p->world, result(p), p->command->job)
-                              : vv_fail_memory(strlen(p->input[0]));
-    if (st == VV_OK)
-        st = cli_pipeline_run(p->command, &input, 1, NULL, 0);
-    cli_input_close(&input);
-    return st;
+    cli_input input = {.file = first->file, .frame = p->frame, .path = (char *)(uintptr_t)first->name};
+    first->frame = p->frame;
+    return first->file ? cli_input_take(&input, p->command, NULL) : VV_OK;
 }
 
 static vv_status write_samples(piping *p)
 {
-    vvi_made_chain all;
-    const char *id = cli_chain_source(p->world, p->input[0]);
-    if (!id)
-        return VV_E_ARGUMENT;
-    const vv_dataset *source = (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, id);
-    vv_status st = vvi_made_chain_open(&all, p->world, result(p), source, p->command->job);
-    if (st == VV_OK)
-        st = is_one_run(&all, p, source) ? run_on_files(p, &all) : run_on_world(p);
-    vvi_made_chain_close(&all);
+    vvi_made_run all;
+    vv_status st = vvi_made_run_open(&all, p->world, result(p), p->command->job);
+    const vvi_run_plan plan = vvi_made_run_plan(&all, p->command->verb.name);
+    if (st == VV_OK && (st = take_reading(p, &all.input[0])) == VV_OK)
+        st = cli_pipeline_run_plan(p->command, &plan);
+    vvi_made_run_close(&all);
     return st;
 }
 

@@ -100,7 +100,8 @@ typedef struct vv_run vv_run;
 
 /**
  * Plan the steps, the first on all inputs, the others on its result: headers alone are looked at. Time steps of the
- * first input go through one by one; the others have as many, or one. Where the output is of a format that holds labels
+ * inputs go through one by one: series have as many as each other, and what has one goes with all of theirs; where one
+ * of the first input is chosen, others give theirs of that number. Where the output is of a format that holds labels
  * alone, whole numbers of the first input are labels from the start, and all layers of a segmentation go through.
  *
  * name    stands in errors

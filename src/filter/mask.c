@@ -4,8 +4,10 @@
 #include "grid/label_id.h"
 #include "grid/making.h"
 #include "grid/same_grid.h"
+#include "grid/true_values.h"
 #include "registry.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -37,6 +39,25 @@ static const vv_class mask_class = {
     .properties = properties,
 };
 
+/* What no sample of the mask can be is a slip of whoever named it. */
+static vv_status check_labels(const vv_field_info *mask, const vv_numbers *label)
+{
+    const int bits = 8 * (int)vv_type_bytes(mask->type);
+    const bool is_signed = mask->type == VV_TYPE_I8 || mask->type == VV_TYPE_I16 || mask->type == VV_TYPE_I32;
+    if (vv_type_is_float(mask->type) || bits > 32 || vvi_has_scale(mask))
+        return VV_OK;
+    const vv_label_id most = ((vv_label_id)1 << (is_signed ? bits - 1 : bits)) - 1, least = is_signed ? -most - 1 : 0;
+    for (size_t i = 0; label && i < label->n; i++) {
+        const vv_label_id id = label->labels ? label->labels[i] : (vv_label_id)label->v[i];
+        if (id < least || id > most)
+            return vv_fail(VV_E_ARGUMENT,
+                           "mask: label: no sample of the mask can be %" PRId64 ": they are %s, %" PRId64
+                           " to %" PRId64,
+                           (int64_t)id, vv_type_name(mask->type), (int64_t)least, (int64_t)most);
+    }
+    return VV_OK;
+}
+
 static vv_status check(char fill[8], const vv_field_info *volume, const vv_field_info *mask, const vv_object *params)
 {
     const mask_params *p = (const mask_params *)params;
@@ -48,7 +69,8 @@ static vv_status check(char fill[8], const vv_field_info *volume, const vv_field
                        "mask: expected a mask of one channel or of as many as the volume has, %d, found %d; pick one "
                        "with 'volvis channel'",
                        volume->components, mask->components);
-    return vvi_stored_bytes(fill, volume, p->fill, "mask: fill");
+    st = check_labels(mask, p->label);
+    return st == VV_OK ? vvi_stored_bytes(fill, volume, p->fill, "mask: fill") : st;
 }
 
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)

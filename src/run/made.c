@@ -81,20 +81,29 @@ static vv_status plan(vv_field_info *out, const vv_world *world, const vv_datase
 
 /* Parameters that samples decide ----------------------------------------------------------------------------------- */
 
+/* What is found of an input when it is worked out is not found of what is made of it. */
 static vv_status open_frame(vv_field **out, void *user, size_t index, vv_job *job)
 {
     const vvi_made *made = user;
-    return vv_dataset_field(out, made->world, made->input[0], NULL, (int64_t)index, job);
+    vvi_findings before;
+    int64_t frame;
+    *out = NULL;
+    vvi_findings_keep(&before, job);
+    vv_status st = vvi_made_frame(&frame, made, 0, (int64_t)index, job);
+    if (st == VV_OK)
+        st = vv_dataset_field(out, made->world, made->input[0], NULL, frame, job);
+    vv_job_forget_findings(job);
+    vvi_findings_tell(job, &before);
+    vvi_findings_free(&before);
+    return st;
 }
 
-/* Time steps share what their samples decide: else each would be stretched by itself. */
+/* Once, and of all time steps together: else each would be stretched by itself. */
 static vv_status settle(vv_object *params, vvi_made *made, int64_t n_frames, vv_job *job)
 {
     const vv_operation *o = made->operation;
     const vv_field_series frames = {open_frame, made, (size_t)n_frames};
-    if (n_frames < 2 || vv_operation_makes(o) == VV_IS_MESH || !o->settle || !o->looks(params))
-        return VV_OK;
-    return o->settle(params, &frames, job);
+    return o->settle && o->looks(params) ? o->settle(params, &frames, job) : VV_OK;
 }
 
 static void drop_params(void *value)
@@ -110,7 +119,7 @@ static vv_status make_params(void **value_out, uint64_t *bytes_out, void *user, 
     vv_object *params = NULL;
     vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
     if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK &&
-        (st = vv_dataset_info(&info, r->world, r->dataset, job)) == VV_OK)
+        (st = vv_dataset_info(&info, r->world, made.input[0], job)) == VV_OK)
         st = settle(params, &made, info.n_frames, job);
     vvi_made_close(&made);
     if (st != VV_OK) {
@@ -149,44 +158,31 @@ static bool is_grid_only(const vvi_made *made, size_t index)
 
 vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
-    vv_field_info first, info;
+    vv_field_info info;
     *out = 0;
     if (is_grid_only(made, index))
         return VV_OK;
-    vv_status st = vv_dataset_info(&info, made->world, made->input[index], job);
-    if (st == VV_OK)
-        st = vv_dataset_info(&first, made->world, made->input[0], job);
-    if (st != VV_OK)
-        return st;
-    *out = info.n_frames > 1 ? frame : 0;
-    if (info.n_frames == 1 || info.n_frames == first.n_frames)
-        return VV_OK;
-    return vv_fail(VV_E_ARGUMENT, "datasets.%s.inputs: '%s' has %" PRId64 " time steps but '%s' has %" PRId64, made->id,
-                   made->input_id[index], info.n_frames, made->input_id[0], first.n_frames);
+    const vv_status st = vv_dataset_info(&info, made->world, made->input[index], job);
+    if (st == VV_OK && info.n_frames > 1)
+        *out = frame;
+    return st;
 }
 
-/* Files that memory cannot hold beside what is made of them are read in parts by the run. */
-static vv_status open_samples(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
-                              vv_job *job)
+static vv_status open_samples(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
-    const vv_dataset *dataset = made->input[index];
     vv_field *field = NULL;
-    out->frame = frame;
-    const bool parts = in_parts && dataset->path && !dataset->checksum;
-    if (!dataset->fields && (parts || is_grid_only(made, index)))
-        return vvi_dataset_open(&out->file, made->world, dataset, job);
-    const vv_status st = vv_dataset_field(&field, made->world, dataset, NULL, out->frame, job);
-    out->frame = 0;
+    if (!made->input[index]->fields && is_grid_only(made, index))
+        return vvi_dataset_open(&out->file, made->world, made->input[index], job);
+    const vv_status st = vv_dataset_field(&field, made->world, made->input[index], NULL, frame, job);
     out->field = field;
     return st;
 }
 
-static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, bool in_parts,
-                            vv_job *job)
+static vv_status open_field(vv_run_input *out, const vvi_made *made, size_t index, int64_t frame, vv_job *job)
 {
     int64_t own;
     const vv_status st = vvi_made_frame(&own, made, index, frame, job);
-    return st == VV_OK ? open_samples(out, made, index, own, in_parts, job) : st;
+    return st == VV_OK ? open_samples(out, made, index, own, job) : st;
 }
 
 static vv_status open_mesh(vv_run_input *out, const vvi_made *made, size_t index, vv_job *job)
@@ -198,7 +194,7 @@ static vv_status open_mesh(vv_run_input *out, const vvi_made *made, size_t index
 }
 
 /* Of inputs that are joined the one that has the time step. */
-static vv_status open_joined(inputs *in, const vvi_made *made, int64_t frame, bool in_parts, vv_job *job)
+static vv_status open_joined(inputs *in, const vvi_made *made, int64_t frame, vv_job *job)
 {
     vv_run_input *input = &in->input[0];
     vv_field_info info;
@@ -211,14 +207,14 @@ static vv_status open_joined(inputs *in, const vvi_made *made, int64_t frame, bo
         return st;
     in->n = 1;
     input->name = made->input_id[i];
-    return open_samples(input, made, i, frame, in_parts, job);
+    return open_samples(input, made, i, frame, job);
 }
 
-static vv_status open_inputs(inputs *in, const vvi_made *made, int64_t frame, bool in_parts, vv_job *job)
+static vv_status open_inputs(inputs *in, const vvi_made *made, int64_t frame, vv_job *job)
 {
     vv_status st = VV_OK;
     if (made->operation->joins)
-        return open_joined(in, made, frame, in_parts, job);
+        return open_joined(in, made, frame, job);
     in->n = made->n;
     for (size_t i = 0; i < made->n && st == VV_OK; i++) {
         vv_run_input *input = &in->input[i];
@@ -226,15 +222,15 @@ static vv_status open_inputs(inputs *in, const vvi_made *made, int64_t frame, bo
         if (!made->input[i])
             continue;
         st = vv_dataset_is_mesh(made->input[i], job) ? open_mesh(input, made, i, job)
-                                                     : open_field(input, made, i, frame, in_parts, job);
+                                                     : open_field(input, made, i, frame, job);
     }
     return st;
 }
 
 /* More than should be held at once: what is read and what is made of it. */
-static vv_status needs_parts(bool *out, const vvi_made *made, const vv_field_info *result, vv_job *job)
+static vv_status is_large(bool *out, const vvi_made *made, const vv_field_info *result, vv_job *job)
 {
-    uint64_t all = 0, bytes;
+    uint64_t bytes, all;
     vv_status st = vv_field_info_bytes(&all, result);
     for (size_t i = 0; i < made->n && st == VV_OK; i++) {
         vv_field_info info;
@@ -242,31 +238,71 @@ static vv_status needs_parts(bool *out, const vvi_made *made, const vv_field_inf
             (st = vv_field_info_bytes(&bytes, &info)) == VV_OK)
             all += bytes;
     }
-    *out = vvi_stream_needed(all, job) && made->operation->run_box;
+    *out = st == VV_OK && vvi_stream_needed(all, job);
     return st;
 }
 
-static vv_status run_field(vv_field **out, const vvi_made *made, vv_object *params, const vv_field_info *info,
-                           int64_t frame, vv_job *job)
+/* What a checksum is of is read whole. */
+static bool streams(const vvi_made_run *all)
 {
-    inputs in = {.n = 0};
+    bool parts = all->n_steps > 0;
+    for (size_t s = 0; s < all->n_steps; s++)
+        parts = parts && all->step[s].operation->run_box;
+    for (size_t i = 0; i < all->n_inputs; i++)
+        parts = parts && !all->of_input[i]->checksum;
+    return parts;
+}
+
+static vv_status take_field(vv_field **out, vv_run *run, int64_t frame, vv_job *job)
+{
+    const vv_field *field = vv_run_field(run, frame);
+    const vv_box all = vv_field_box(field);
+    if (vv_run_get_about(run)->streamed)
+        return vvi_field_copy_box(out, field, &all, job);
+    *out = vv_field_retain((vv_field *)(uintptr_t)field);
+    return VV_OK;
+}
+
+/* From the files on, slab by slab, where nothing in between is held. *out stays NULL where that cannot be. */
+static vv_status run_in_parts(vv_field **out, const vvi_made *made, int64_t frame, vv_job *job)
+{
+    vvi_made_run all;
     vv_run *run = NULL;
-    bool in_parts = false;
-    const vv_step step = {made->operation, params};
-    vv_status st = needs_parts(&in_parts, made, info, job);
-    if (st == VV_OK)
-        st = open_inputs(&in, made, frame, in_parts, job);
-    if (st == VV_OK)
-        st = vv_run_new(&run, in.input, in.n, &step, 1, &(vv_run_output){.path = NULL}, made->operation->name, job);
-    if (st == VV_OK)
-        st = vv_run_make(run);
-    if (st == VV_OK && vv_run_get_about(run)->streamed) {
-        const vv_box all = vv_field_box(vv_run_field(run, 0));
-        st = vvi_field_copy_box(out, vv_run_field(run, 0), &all, job);
-    } else if (st == VV_OK) {
-        *out = vv_field_retain(vv_run_field(run, 0));
-    }
+    vv_status st = vvi_made_run_open(&all, made->world, made->dataset, job);
+    const vvi_run_plan plan = vvi_made_run_plan(&all, made->operation->name);
+    if (st == VV_OK && streams(&all) && (st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job)) == VV_OK &&
+        vv_run_get_about(run)->streamed && (st = vv_run_make(run)) == VV_OK)
+        st = take_field(out, run, frame, job);
     vv_run_release(run);
+    vvi_made_run_close(&all);
+    return st;
+}
+
+/* Of inputs that are kept. */
+static vv_status run_field(vv_field **out, const request *r, const vvi_made *made, vv_job *job)
+{
+    const request all = {r->world, r->dataset, 0};
+    inputs in = {.n = 0};
+    vvi_cached *params = NULL;
+    vv_run *run = NULL;
+    vv_status st = open_inputs(&in, made, r->frame, job);
+    vv_job_forget_findings(job);
+    if (st == VV_OK)
+        st = get(&params, "parameters of what is made", make_params, drop_params, &all, job);
+    if (st == VV_OK) {
+        const vv_step step = {made->operation, vvi_cached_value(params)};
+        const vvi_run_plan plan = {.inputs = in.input,
+                                   .n_inputs = in.n,
+                                   .steps = &step,
+                                   .n_steps = 1,
+                                   .name = made->operation->name,
+                                   .settled = true};
+        st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job);
+    }
+    if (st == VV_OK && (st = vvi_run_make(run)) == VV_OK)
+        st = take_field(out, run, 0, job);
+    vv_run_release(run);
+    vvi_cache_release(params);
     close_inputs(&in);
     return st;
 }
@@ -305,25 +341,23 @@ static vv_status keep_result(void **value_out, vv_field *field, vv_mesh *mesh, c
 static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
-    const request all = {r->world, r->dataset, 0};
     vvi_made made;
     vv_field_info info;
     vv_field *field = NULL;
-    vvi_cached *params = NULL;
+    bool large = false;
     vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
     if (st == VV_OK)
         st = vv_dataset_info(&info, r->world, r->dataset, job);
     if (st == VV_OK && (r->frame < 0 || r->frame >= info.n_frames))
         st = vv_fail(VV_E_ARGUMENT, "there is no time step %" PRId64 ": expected 0 to %" PRId64, r->frame,
                      info.n_frames - 1);
-    if (st == VV_OK)
-        st = get(&params, "parameters of what is made", make_params, drop_params, &all, job);
-    if (st == VV_OK)
-        st = run_field(&field, &made, vvi_cached_value(params), &info, r->frame, job);
+    if (st == VV_OK && (st = is_large(&large, &made, &info, job)) == VV_OK && large)
+        st = run_in_parts(&field, &made, r->frame, job);
+    if (st == VV_OK && !field)
+        st = run_field(&field, r, &made, job);
     if (st == VV_OK)
         st = vv_field_info_bytes(bytes_out, vv_field_get_info(field));
     st = vvi_made_fail(&made, NULL, st);
-    vvi_cache_release(params);
     vvi_made_close(&made);
     if (st == VV_OK)
         return keep_result(value_out, field, NULL, job);
@@ -374,7 +408,7 @@ static vv_status run_mesh(vv_mesh **out, const vvi_made *made, vv_object *params
     inputs in = {.n = 0};
     vv_run *run = NULL;
     const vv_step step = {made->operation, params};
-    vv_status st = open_inputs(&in, made, 0, false, job);
+    vv_status st = open_inputs(&in, made, 0, job);
     if (st == VV_OK)
         st = lend_labels(&in, made, job);
     if (st == VV_OK)

@@ -67,21 +67,25 @@ vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_fiel
  * vv_dataset_field() and vv_dataset_mesh(). */
 vv_status vvi_made_work_out(vv_data *out, const vv_world *world, const vv_dataset *dataset, int64_t frame, vv_job *job);
 
-/** How samples come about: steps, the first one first, each on the one before it alone. */
-typedef struct vvi_made_chain {
-    vv_step step[VVI_MADE_DEEPEST];
-    size_t n;
-    const vv_dataset
-        *input[VVI_RUN_INPUTS]; /**< of the first step, as of vvi_made; without steps the data themselves */
-    const char *input_id[VVI_RUN_INPUTS];
+/** How a dataset of samples comes about, as one run: its steps, and the files and data in memory that they begin with.
+ * What cannot be a step of it (a mesh on the way, say) is worked out by itself and is an input. */
+typedef struct vvi_made_run {
+    const vv_world *world;
+    vv_run_input input[VVI_RUN_INPUTS]; /**< the first is what its first inputs lead back to */
+    const vv_dataset *of_input[VVI_RUN_INPUTS];
     size_t n_inputs;
-} vvi_made_chain;
+    vv_step step[VVI_MADE_DEEPEST];
+    vvi_run_takes takes[VVI_MADE_DEEPEST];
+    const vv_dataset *of_step[VVI_MADE_DEEPEST];
+    size_t n_steps;
+} vvi_made_run;
 
-/** Back from a dataset of samples, as far as there is such a chain and no further than to `from` (NULL: a file). *out
- * is for vvi_made_chain_close(), also on failure. */
-vv_status vvi_made_chain_open(vvi_made_chain *out, const vv_world *world, const vv_dataset *dataset,
-                              const vv_dataset *from, vv_job *job);
-void vvi_made_chain_close(vvi_made_chain *chain);
+/** Parameters are as people gave them: what samples decide is left to the run. *out is for vvi_made_run_close(), also
+ * on failure. */
+vv_status vvi_made_run_open(vvi_made_run *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
+void vvi_made_run_close(vvi_made_run *run);
+/** It as what vvi_run_new() takes; name: for errors of what has no steps. Borrowed of it. */
+vvi_run_plan vvi_made_run_plan(const vvi_made_run *run, const char *name);
 /** A dataset as a file, in the format of its suffix: all time steps, with what its file says as it still holds. The
  * bytes are those that `volvis NAME` and `volvis pipe` write. Errors: VV_E_ARGUMENT (no format for such data),
  * those of vv_run_write() and vv_mesh_write(). */

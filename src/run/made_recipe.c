@@ -448,6 +448,29 @@ vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status st
     return st;
 }
 
+/* Of inputs that are series: each has as many time steps as the others, or one that goes with all of theirs. */
+static vv_status plan_frames(vv_field_info *out, const vvi_made *made, const vv_field_info *infos)
+{
+    char where[PATH_ROOM];
+    size_t longest = 0;
+    for (size_t i = 0; i < made->n; i++) {
+        const int64_t n = infos[i].n_frames, most = infos[longest].n_frames;
+        if (!made->input[i] || vv_operation_operand(made->operation, i)->grid_only)
+            continue;
+        if (n > 1 && most > 1 && n != most)
+            return vv_fail_at(VV_E_ARGUMENT, NULL, place(where, made, "inputs", NULL),
+                              "'%s' has %" PRId64 " time steps but '%s' has %" PRId64, made->input_id[i], n,
+                              made->input_id[longest], most);
+        longest = n > most ? i : longest;
+    }
+    out->n_frames = infos[longest].n_frames;
+    if (longest > 0) {
+        out->frame_step = infos[longest].frame_step;
+        memcpy(out->frame_unit, infos[longest].frame_unit, sizeof out->frame_unit);
+    }
+    return VV_OK;
+}
+
 vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job)
 {
     vv_field_info infos[VVI_RUN_INPUTS] = {0};
@@ -458,9 +481,9 @@ vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_objec
     if (st != VV_OK || vv_operation_makes(made->operation) == VV_IS_MESH)
         return st;
     if ((st = made->operation->plan(out, infos, made->n, params)) != VV_OK)
-        return vvi_made_fail(made, "parameters", st);
-    if (!made->operation->joins)
-        out->n_frames = infos[0].n_frames;
+        return vvi_made_fail(made, NULL, st); /* inputs may be at fault as well */
+    if (!made->operation->joins && (st = plan_frames(out, made, infos)) != VV_OK)
+        return st;
     out->frame = 0;
     return check_size(made, out, job);
 }

@@ -1,5 +1,5 @@
 /** @file
- * What a run is made of: for src/run alone.
+ * What a run is made of: for src/run, and for those who run steps that are no plain chain.
  */
 #ifndef VVI_RUN_IMPL_H
 #define VVI_RUN_IMPL_H
@@ -9,41 +9,81 @@
 #include <volvis/run.h>
 #include <volvis/sys/registry.h>
 
-enum { VVI_RUN_INPUTS = 64 };
+enum { VVI_RUN_INPUTS = 64, VVI_RUN_GAP = -1 };
+
+/** What a step takes, in the order of its operation's operands: the number of an input of the run, VVI_RUN_INPUTS + s
+ * for what step s made before it, VVI_RUN_GAP for what is left out. */
+typedef struct vvi_run_takes {
+    size_t n;
+    int from[VVI_RUN_INPUTS];
+} vvi_run_takes;
+
+/** Steps on inputs, each on what it likes of them and of what steps before it made; the last one makes the result. All
+ * is borrowed. */
+typedef struct vvi_run_plan {
+    const vv_run_input *inputs; /**< the first is what the chain of first inputs begins with */
+    size_t n_inputs;
+    const vv_step *steps;
+    const vvi_run_takes *takes; /**< of each step; NULL: all inputs go into the first, its result into the next one */
+    size_t n_steps;
+    const char *name; /**< for errors */
+    bool settled;     /**< what samples decide of parameters has been decided */
+} vvi_run_plan;
+
+/** vv_run_new() of such steps. */
+vv_status vvi_run_new(vv_run **out, const vvi_run_plan *plan, const vv_run_output *output, vv_job *job);
+/** vv_run_make() that leaves what the job was told before. */
+vv_status vvi_run_make(vv_run *run);
+
+/** About how many seconds the steps take for one time step, without reading and writing: from the middle 64^3 samples.
+ * NaN where that cannot be told: steps refuse a part, or work on meshes. */
+double vvi_run_seconds(const vvi_run_plan *plan, vv_job *job);
+
+/** An input, or what a step makes: what is planned of it. */
+typedef struct vvi_run_node {
+    vv_field_info info;      /**< of samples */
+    int64_t n_frames;        /**< that the run takes of it */
+    bool read;               /**< its samples are, and not its grid alone */
+    size_t n_uses, last_use; /**< steps that take it; the last of them */
+    size_t pool;             /**< of inputs: their slabs' where they stream; what is joined shares one */
+} vvi_run_node;
 
 struct vv_run {
     vv_run_input inputs[VVI_RUN_INPUTS];
-    vv_step *steps; /* n_steps */
+    vv_step *steps;       /* n_steps */
+    vvi_run_takes *takes; /* n_steps */
+    vvi_run_node *nodes;  /* VVI_RUN_INPUTS + n_steps */
     size_t n_inputs, n_steps;
     const char *name;
     vv_job *job;
     const char *path; /* of the output */
-    bool written;
+    bool written, settled;
+    int64_t chosen; /* the time step that was chosen of the first input, and holds for others; -1: none was */
     vv_run_about about;
+    int64_t n_results; /* time steps, or layers */
+    vv_data *results;
     /* of one that makes a mesh */
     const vv_mesh_write_options *mesh_options;
-    vvi_file_labels labels; /* of the first input */
-    vv_mesh *mesh;
+    vvi_file_labels labels;                                                    /* of the first input */
     vv_status (*check)(void *user, const vv_step *step, const vv_data *input); /* NULL: no check */
     void *check_user;
     /* of one that makes fields */
     vv_write_options options;
     const vv_format *format;
-    int64_t first_frame;
     vvi_layers layers; /* of the first input, in the place of time steps */
     vvi_stream stream;
-    int64_t n_results; /* time steps, or layers */
-    vv_field **results;
 };
 
-/** The time step of an input that is taken for time step `index` of the result. */
-int64_t vvi_run_frame(const vv_run *run, const vv_run_input *input, int64_t index);
-int64_t vvi_run_frames(const vv_run_input *input);
-
-/* Where the last step makes a mesh. */
-vv_status vvi_run_plan_mesh(vv_run *run);
-vv_status vvi_run_make_mesh(vv_run *run);
-vv_status vvi_run_write_mesh(vv_run *run);
+/** run_plan.c: all but results and what is written. */
+vv_status vvi_run_plan_all(vv_run *run, const vv_run_output *output);
+/** The last node: what the run makes. */
+int vvi_run_last(const vv_run *run);
+/** Of what is joined in step `s` the one that has time step *index, which becomes its own. */
+size_t vvi_run_joined(const vv_run *run, size_t s, int64_t *index);
+/** Whole numbers that a format of labels is given are labels. */
+void vvi_run_declare_label(vv_field_info *info, const vv_run *run);
+/** run_make.c: run->results. */
+vv_status vvi_run_make_all(vv_run *run);
 /** People are told that a mesh is of the first of so many time steps; of one there is nothing to be told. */
 void vvi_run_note_first(int64_t n_frames, vv_job *job);
 #endif

@@ -26,7 +26,8 @@ vv_status vvi_voxels_parse(double *out, const char *text, const vv_grid *grid, c
     letters -= cubed ? 1 : 0;
     letters -= cubed && letters > 1 && unit[letters - 1] == '^' ? 1 : 0;
     if (!is_number || !cubed || letters > 16)
-        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is not a size; write 100 (voxels) or 2.5mm3", place, text);
+        return vv_fail(VV_E_ARGUMENT, "%s: expected a number of voxels, 100, or a volume, 2.5mm3; found '%s'", place,
+                       text);
     /* the unit's length, of which the volume is the cube */
     snprintf(length + 1, sizeof length - 1, "%.*s", (int)letters, unit);
     const vv_status st = vvi_parse_quantity(&one, length, VV_Q_LENGTH, &context, place);

@@ -7,9 +7,16 @@
 
 /** A word as a shell takes it, whatever is in it. */
 void vvi_command_quote(vvi_text *out, const char *word);
-/** The file of a dataset, or of what the lines before have made of it, with the options of how it is read. */
-void vvi_command_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job);
-/** The lines that make a dataset, of what nobody has made here; none where it is such a one itself. */
+/** NULL: there is none of that id. */
+const vv_dataset *vvi_command_dataset(const vv_world *world, const char *id);
+/** The one that lines take for it, and its id: of one whose operation is switched off its first input. VV_E_NOT_FOUND:
+ * there is neither a file of it nor an operation. */
+vv_status vvi_command_behind(const vv_dataset **out, const char **id, const vv_world *world, vv_job *job);
+/** The file of a dataset, or of what the lines before have made of it, with the options of how it is read. Errors: as
+ * above. */
+vv_status vvi_command_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job);
+/** The lines that make a dataset, of what nobody has made here; none where it is such a one itself. Errors: those of
+ * its recipe. */
 vv_status vvi_command_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job);
 
 /** The message `command` with a `measurement`: an entry of the World's. */

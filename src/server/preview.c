@@ -1,5 +1,6 @@
 /* The part of a made dataset that a view shows, and a picture of it in the place of what it is made of. */
 #include "server/preview.h"
+#include "core/job.h"
 #include "core/os.h"
 #include "core/vec.h"
 #include "model/dataset.h"
@@ -315,6 +316,24 @@ static vv_status draw(work *w)
     return st;
 }
 
+/* From a part of what is seen, which is in memory. */
+static vv_status tell_time(work *w)
+{
+    vvi_made_fields fields;
+    vv_run_input inputs[VVI_RUN_INPUTS];
+    const vv_step step = {w->made.operation, w->params};
+    vv_status st = VV_OK;
+    if (makes_mesh(w) || !w->actor || (st = vvi_made_fields_open(&fields, &w->made, w->frame, w->job)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < fields.n; i++)
+        inputs[i] = (vv_run_input){.field = fields.field[i], .name = w->made.input_id[i]};
+    const vvi_run_plan plan = {
+        .inputs = inputs, .n_inputs = fields.n, .steps = &step, .n_steps = 1, .name = step.operation->name};
+    w->out->seconds = vvi_run_seconds(&plan, w->job);
+    vvi_made_fields_close(&fields);
+    return vvi_job_poll(w->job);
+}
+
 static vv_status make(work *w)
 {
     uint64_t parts;
@@ -325,7 +344,7 @@ static vv_status make(work *w)
         return st;
     w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params);
     if (w->out->whole && parts > w->wish->whole_most && !w->wish->whole)
-        return VV_OK;
+        return tell_time(w);
     st = w->out->whole ? make_whole(w) : make_box(w);
     return st == VV_OK ? draw(w) : st;
 }
@@ -334,7 +353,7 @@ vv_status vvi_preview_make(vvi_preview *out, const vvi_preview_wish *wish, vv_jo
 {
     work w = {
         .wish = wish, .out = out, .id = wish->made, .world = wish->world, .place = vv_affine_identity(), .job = job};
-    *out = (vvi_preview){0};
+    *out = (vvi_preview){.seconds = NAN};
     vv_status st = vv_scene_resolve(&w.scene, w.world, wish->view, job);
     if (st == VV_OK)
         st = find_actor(&w);

@@ -27,6 +27,7 @@ typedef struct vvi_preview {
     vv_box box;         /**< that was made; of a mesh nothing */
     vv_field_info info; /**< of the whole, as planned; of meshes of the input */
     uint64_t bytes;     /**< that the whole takes beside its inputs, and the inputs */
+    double seconds;     /**< about how long the whole takes, where there is no image; NaN: nobody knows */
     bool has_window;    /**< slices: the values from black to white */
     double window[2];
     bool has_value; /**< at the sample next to the cross-hair, before and after */

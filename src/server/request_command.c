@@ -1,7 +1,5 @@
 /* What was done, as command lines that do it again: the operations that made the data, then the picture. */
 #include "core/job.h"
-#include "core/memory.h"
-#include "io/format.h"
 #include "model/context.h"
 #include "model/merge.h"
 #include "run/made.h"
@@ -11,295 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MOST = 64, PATH_MOST = 384 };
+enum { PATH_MOST = 384 };
 
-void vvi_command_quote(vvi_text *out, const char *s)
+/* An operation ---------------------------------------------------------------------------------------------------- */
+
+/* A line that would fail is not worth copying: its sentence is. */
+static vv_status check_plan(const vv_world *world, const char *id, vv_job *job)
 {
-    vvi_text_add(out, "'");
-    for (; *s; s++)
-        vvi_text_add(out, *s == '\'' ? "'\\''" : (char[2]){*s, 0});
-    vvi_text_add(out, "'");
-}
-
-static const vv_dataset *find_dataset(const vv_world *world, const char *id)
-{
-    return id ? (const vv_dataset *)(const void *)vv_collection_find(world->datasets, id) : NULL;
-}
-
-/* Operations ------------------------------------------------------------------------------------------------------ */
-
-/* "[1, 2, 3]" is typed as 1,2,3 and "\"text\"" without its marks. */
-static void put_value(vvi_text *out, const char *json)
-{
-    char *typed = vvi_strdup(json);
-    char *to = typed;
-    for (const char *from = json; typed && *from; from++)
-        if (!strchr("[]\" ", *from))
-            *to++ = *from;
-    if (typed)
-        *to = 0;
-    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
-    free(typed);
-}
-
-static void put_option(vvi_text *out, const vv_property *row, const char *json)
-{
-    char name[64];
-    size_t n = 0;
-    for (; row->name[n] && n + 1 < sizeof name; n++)
-        name[n] = (char)(row->name[n] == '_' ? '-' : row->name[n]);
-    name[n] = 0;
-    if (row->kind == VV_KIND_BOOL) {
-        vvi_text_printf(out, " --%s%s", strcmp(json, "true") == 0 ? "" : "no-", name);
-        return;
-    }
-    vvi_text_printf(out, " --%s=", name);
-    put_value(out, json);
-}
-
-static vv_status put_options(vvi_text *out, const vv_object *params)
-{
-    for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
-        char *json = NULL;
-        if (!vv_object_is_set(params, row->name))
-            continue;
-        const vv_status st = vv_path_get(&json, params, row->name);
-        if (st != VV_OK)
-            return st;
-        put_option(out, row, json);
-        free(json);
-    }
-    return VV_OK;
-}
-
-/* How a file was read, where that was said. */
-static void put_reading(vvi_text *out, const vv_dataset *dataset)
-{
-    const char *const option[3] = {"input-format", "part", "raw"};
-    const char *const value[3] = {dataset->format, dataset->part, dataset->raw};
-    for (int i = 0; i < 3; i++)
-        if (value[i]) {
-            vvi_text_printf(out, " --%s=", option[i]);
-            vvi_command_quote(out, value[i]);
-        }
-}
-
-/* The file that the lines before have made of a dataset. */
-static void put_made(vvi_text *out, const char *id, const char *suffix)
-{
-    char name[96];
-    snprintf(name, sizeof name, "%.63s%.12s", id, suffix);
-    vvi_command_quote(out, name);
-}
-
-/* The id, as the World has it, of the first input: as `source` says it, or among the inputs by name. NULL: none. */
-static const char *source_of(const vv_world *world, const vv_dataset *d, const vv_operation *operation)
-{
-    const char *id = d->source;
-    json_t *inputs = d->inputs ? json_loads(d->inputs, 0, NULL) : NULL;
-    if (!id && operation->inputs[0].names)
-        id = json_string_value(json_object_iter_value(json_object_iter(inputs)));
-    else if (!id)
-        id = json_string_value(json_object_get(inputs, operation->inputs[0].name));
-    const char *own = NULL;
-    for (size_t i = 0; id && i < world->datasets->n && !own; i++)
-        own = strcmp(world->datasets->entry[i].id, id) == 0 ? world->datasets->entry[i].id : NULL;
-    json_decref(inputs);
-    return own;
-}
-
-static bool has_data(const vv_dataset *dataset)
-{
-    return dataset && (dataset->path || vv_dataset_is_made(dataset));
-}
-
-/* Whether lines can make it again: which operation, and of what. */
-static const vv_operation *made_by(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
-{
-    const vv_operation *operation = dataset->operation ? vv_registry_operation(registry, dataset->operation) : NULL;
-    const char *source = operation ? source_of(world, dataset, operation) : NULL;
-    return has_data(find_dataset(world, source)) ? operation : NULL;
-}
-
-/* What lines take for a dataset: of one whose operation is switched off its first input. */
-static const char *behind(const vv_world *world, const char *id, const vv_registry *registry)
-{
-    for (int i = 0; i < STEPS_MOST; i++) {
-        const vv_dataset *dataset = find_dataset(world, id);
-        const vv_operation *operation =
-            dataset && vv_dataset_is_made(dataset) && !dataset->on ? made_by(world, dataset, registry) : NULL;
-        if (!operation)
-            break;
-        id = source_of(world, dataset, operation);
-    }
-    return id;
-}
-
-/* The file that it all began with; NULL: there is none. */
-static const vv_dataset *origin_of(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
-{
-    for (int i = 0; i < STEPS_MOST && dataset && !dataset->path; i++) {
-        const vv_operation *operation = made_by(world, dataset, registry);
-        dataset = operation ? find_dataset(world, source_of(world, dataset, operation)) : NULL;
-    }
-    return dataset && dataset->path ? dataset : NULL;
-}
-
-/* Samples go back into a format that alone keeps what their file says. */
-static const char *suffix_of(const vv_world *world, const vv_dataset *dataset, vv_job *job)
-{
-    const char *path = dataset->path, *slash = path ? strrchr(path, '/') : NULL;
-    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
-    const vv_format *format = NULL;
-    if (dot)
-        return dot;
-    if (!path && vv_dataset_is_mesh(dataset, job))
-        return ".ply";
-    const vv_registry *registry = vvi_job_registry(job);
-    const vv_dataset *origin = origin_of(world, dataset, registry);
-    if (origin && origin->format)
-        format = vv_registry_format(registry, origin->format);
-    else if (origin && vvi_format_of_output(&format, origin->path, registry) != VV_OK)
-        format = NULL;
-    return format && format->takes_origin && format->write ? format->suffixes[0] : ".nrrd";
-}
-
-/* The file of a dataset as a word of the line that comes now. */
-void vvi_command_input(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
-{
-    id = behind(world, id, vvi_job_registry(job));
-    const vv_dataset *dataset = find_dataset(world, id);
-    if (made_by(world, dataset, vvi_job_registry(job))) {
-        put_made(out, id, suffix_of(world, dataset, job));
-        return;
-    }
-    vvi_command_quote(out, dataset->path ? dataset->path : id);
-    put_reading(out, dataset);
-}
-
-/* NAME=FILE:PART, since options of reading are of the first. */
-static void put_other(vvi_text *out, const vv_world *world, const char *name, const char *id, vv_job *job)
-{
-    id = behind(world, id, vvi_job_registry(job));
-    const vv_dataset *dataset = find_dataset(world, id);
-    vvi_text_printf(out, " %s=", name);
-    if (made_by(world, dataset, vvi_job_registry(job))) {
-        put_made(out, id, suffix_of(world, dataset, job));
-        return;
-    }
-    vvi_command_quote(out, dataset->path ? dataset->path : id);
-    if (dataset->part) {
-        vvi_text_add(out, ":");
-        vvi_command_quote(out, dataset->part);
-    }
-}
-
-typedef vv_status visit_fn(void *user, const char *name, const char *id);
-
-static vv_status for_others(const char *inputs, visit_fn *visit, void *user)
-{
-    const char *name;
-    json_t *id, *others = inputs ? json_loads(inputs, 0, NULL) : NULL;
-    vv_status st = VV_OK;
-    json_object_foreach(others, name, id) if (st == VV_OK && json_is_string(id)) st =
-        visit(user, name, json_string_value(id));
-    json_decref(others);
-    return st;
-}
-
-typedef struct making {
-    vvi_text *out;
-    const vv_world *world;
-    int depth;
-    vv_job *job;
-    const vv_operation *operation; /* whose inputs are gone through; NULL: all of them are */
-} making;
-
-static vv_status visit_other(void *user, const char *name, const char *id)
-{
-    const making *m = user;
-    const vv_dataset *dataset = find_dataset(m->world, id);
-    const vv_operand *first = m->operation ? m->operation->inputs : NULL;
-    if (first && !first->names && !strcmp(name, first->name)) /* it stands without its name */
-        return VV_OK;
-    if (!has_data(dataset))
-        return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", id);
-    put_other(m->out, m->world, name, id, m->job);
-    return VV_OK;
-}
-
-/* As its recipe says it; names of inputs are said by the inputs. */
-static vv_status step_params(vv_object **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
-{
-    vvi_made made;
-    vv_status st = vvi_made_open(&made, world, dataset, job);
-    if (st == VV_OK && (st = vvi_made_params(out, &made, job)) == VV_OK && made.operation->inputs[0].names)
-        st = vv_path_unset(out, made.operation->inputs[0].names, NULL);
-    vvi_made_close(&made);
-    return st;
-}
-
-/* The line that makes a dataset. */
-static vv_status put_step(const making *m, const vv_operation *operation, const vv_dataset *dataset, const char *id)
-{
-    vv_object *params = NULL;
-    vv_status st = step_params(&params, m->world, dataset, m->job);
-    if (st == VV_OK) {
-        vvi_text_printf(m->out, "volvis %s ", operation->name);
-        if (!operation->inputs[0].names || !dataset->inputs)
-            vvi_command_input(m->out, m->world, source_of(m->world, dataset, operation), m->job);
-        st = for_others(dataset->inputs, visit_other, &(making){m->out, m->world, 0, m->job, operation});
-    }
-    if (st == VV_OK && (st = put_options(m->out, params)) == VV_OK) {
-        vvi_text_add(m->out, " -o ");
-        put_made(m->out, id, suffix_of(m->world, dataset, m->job));
-    }
-    vv_object_release(params);
-    return st;
-}
-
-static bool is_put(const vvi_text *out, const char *id, const char *suffix)
-{
-    vvi_text line = {0};
-    vvi_text_add(&line, " -o ");
-    put_made(&line, id, suffix);
-    vvi_text_add(&line, "\n");
-    const bool there = out->s && line.s && strstr(out->s, line.s);
-    vvi_text_free(&line);
-    return there;
-}
-
-static vv_status put_making_of(making *m, const char *id);
-
-static vv_status visit_making(void *user, const char *name, const char *id)
-{
-    return put_making_of(user, id);
-}
-
-/* The lines that make a dataset of those that were not made here, the first one first; none where it is such a one. */
-static vv_status put_making_of(making *m, const char *id)
-{
-    id = behind(m->world, id, vvi_job_registry(m->job));
-    const vv_dataset *d = find_dataset(m->world, id);
-    const vv_operation *operation = d ? made_by(m->world, d, vvi_job_registry(m->job)) : NULL;
-    if (!operation || is_put(m->out, id, suffix_of(m->world, d, m->job)))
-        return VV_OK;
-    if (m->depth == STEPS_MOST) /* a scene may name datasets in a ring */
-        return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
-    m->depth++;
-    vv_status st = put_making_of(m, source_of(m->world, d, operation));
-    if (st == VV_OK)
-        st = for_others(d->inputs, visit_making, m);
-    m->depth--;
-    if (st != VV_OK || (st = put_step(m, operation, d, id)) != VV_OK)
-        return st;
-    vvi_text_add(m->out, "\n");
-    return VV_OK;
-}
-
-vv_status vvi_command_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
-{
-    return put_making_of(&(making){out, world, 0, job, NULL}, id);
+    vv_field_info info;
+    const vv_dataset *dataset = vvi_command_dataset(world, id);
+    return vv_dataset_is_mesh(dataset, job) ? VV_OK : vv_dataset_info(&info, world, dataset, job);
 }
 
 /* An operation that is about to be run: the lines of the dataset that it would make. */
@@ -309,10 +28,10 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     char id[VVI_REQUEST_ID];
     vv_world *world = NULL;
     vvi_text text = {0};
-    if (!has_data(find_dataset(r->world, r->dataset)))
-        return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     vvi_request_free_id(id, r->world, "result");
     vv_status st = vvi_request_make_world(&world, r, id);
+    if (st == VV_OK)
+        st = check_plan(world, id, job);
     if (st == VV_OK)
         st = vvi_command_making(&text, world, id, job);
     if (st == VV_OK && text.n > 0) {
@@ -321,7 +40,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     }
     vvi_text_free(&text);
     vv_object_release(&world->base);
-    return vvi_request_fail_made(id, st);
+    return vvi_request_fail_made(r->operation, id, st);
 }
 
 /* The picture ----------------------------------------------------------------------------------------------------- */
@@ -331,7 +50,6 @@ typedef struct comparing {
     vvi_text *out;
     char whole[256];  /* a list or map that was set as a whole: what is below it is told already */
     const char *view; /* that the picture is of: the line's main one */
-    const char *file; /* what the file's name makes of the dataset's id */
     const char *own;  /* what the dataset is called in `before` */
     bool beyond;      /* something that no options of this line say */
 } comparing;
@@ -369,7 +87,7 @@ static bool path_there(char there[PATH_MOST], char typed[PATH_MOST], const compa
         return false;
     const char *other = theirs->entry[at].id; /* "name" or "name_0" */
     snprintf(there, PATH_MOST, "volumes.%s%s", other, rest);
-    snprintf(typed, PATH_MOST, "volumes.%s%s%s", c->file, strlen(other) < own ? "" : other + own, rest);
+    snprintf(typed, PATH_MOST, "volumes.%s%s%s", c->own, strlen(other) < own ? "" : other + own, rest);
     return true;
 }
 
@@ -429,7 +147,7 @@ static const char *only_shown(const vv_world *world)
 static vv_status base_world(vv_world **out, const vv_world *world, const char *id, vv_job *job)
 {
     vv_read_options options;
-    const vv_dataset *dataset = find_dataset(world, id);
+    const vv_dataset *dataset = vvi_command_dataset(world, id);
     if (vv_dataset_is_made(dataset))
         return vvi_world_for_dataset(out, world, id, job);
     if (vv_dataset_is_mesh(dataset, job))
@@ -444,31 +162,31 @@ static vv_status base_world(vv_world **out, const vv_world *world, const char *i
 static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request *r, const char *id, vv_job *job)
 {
     vv_world *before = NULL;
-    const vv_dataset *dataset = find_dataset(r->world, id);
-    const vv_status st = base_world(&before, r->world, id, job);
+    const vv_dataset *dataset = vvi_command_dataset(r->world, id);
+    vv_status st = base_world(&before, r->world, id, job);
     if (st != VV_OK)
         return st;
     comparing c = {.now = r->world, .before = before, .out = text, .view = r->view};
     c.own = vv_dataset_is_made(dataset) ? id : before->datasets->entry[0].id;
-    c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : c.own;
     vvi_text_add(text, "volvis render ");
-    vvi_command_input(text, r->world, id, job);
+    st = vvi_command_input(text, r->world, id, job);
     vvi_text_add(text, " -o picture.png");
     vv_path_each(&r->world->base, compare, &c);
     vv_object_release(&before->base);
     *beyond_out = c.beyond;
-    return VV_OK;
+    return st;
 }
 
 static vv_status run_command(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const char *id = behind(r->world, only_shown(r->world), vvi_job_registry(job));
-    const vv_dataset *dataset = find_dataset(r->world, id);
+    const char *id = only_shown(r->world);
+    const vv_dataset *dataset;
     vvi_text text = {0};
-    bool beyond = !has_data(dataset);
-    vv_status st = beyond ? VV_OK : vvi_command_making(&text, r->world, id, job);
-    if (!beyond && st == VV_OK)
+    vv_status st = vvi_command_behind(&dataset, &id, r->world, job);
+    bool beyond = st == VV_E_NOT_FOUND;
+    st = beyond ? VV_OK : st;
+    if (!beyond && st == VV_OK && (st = vvi_command_making(&text, r->world, id, job)) == VV_OK)
         st = put_picture(&text, &beyond, r, id, job);
     if (beyond) {
         vvi_text_free(&text);

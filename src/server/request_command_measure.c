@@ -151,7 +151,8 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         *whole = true;
         st = vvi_command_making(out, r->world, id, job);
         vvi_text_printf(out, "volvis measure %s ", vv_measure_kind_of(m)->name);
-        vvi_command_input(out, r->world, id, job);
+        if (st == VV_OK)
+            st = vvi_command_input(out, r->world, id, job);
         put_places(out, m);
         put_object(out, m);
         if (!chosen && measured.data.ranged)

@@ -151,8 +151,39 @@ void vvi_request_free_id(char out[VVI_REQUEST_ID], const vv_world *world, const 
         snprintf(out, VVI_REQUEST_ID, "%.*s-%d", VVI_REQUEST_ID - 8, wanted, i);
 }
 
+/* "--min-size", as a page has it: Min size. Bytes of the option; 0: it is none of these. */
+static size_t put_label(vvi_text *out, const char *text, const vv_class *cls)
+{
+    const size_t n = strspn(text + 2, "abcdefghijklmnopqrstuvwxyz0123456789-");
+    for (const vv_property *row = cls->properties; row->name; row++) {
+        const char *name = row->option && *row->option ? row->option : row->name;
+        size_t same = 0;
+        while (same < n && (name[same] == text[2 + same] || (name[same] == '_' && text[2 + same] == '-')))
+            same++;
+        if (same < n || name[same] || n == 0)
+            continue;
+        vvi_text_printf(out, "%c",
+                        row->name[0] >= 'a' && row->name[0] <= 'z' ? row->name[0] - 'a' + 'A' : row->name[0]);
+        for (const char *c = row->name + 1; *c; c++)
+            vvi_text_printf(out, "%c", *c == '_' ? ' ' : *c);
+        return n + 2;
+    }
+    return 0;
+}
+
+/* Options of the command line are controls of the page. */
+static void put_sentence(vvi_text *out, const char *text, const vv_class *cls)
+{
+    while (*text) {
+        const size_t n = strncmp(text, "--", 2) == 0 ? put_label(out, text, cls) : 0;
+        if (!n)
+            vvi_text_printf(out, "%c", *text);
+        text += n ? n : 1;
+    }
+}
+
 /* Nobody has heard of the dataset that would be made: "datasets.ID.parameters.sigma" is "parameters.sigma". */
-vv_status vvi_request_fail_made(const char *id, vv_status st)
+vv_status vvi_request_fail_made(const vv_operation *operation, const char *id, vv_status st)
 {
     vvi_error_copy error;
     char place[VVI_REQUEST_ID + 16];
@@ -165,7 +196,10 @@ vv_status vvi_request_fail_made(const char *id, vv_status st)
     const char *property = error.where[n] ? error.where + n + 1 : NULL, *text = error.message;
     if (strncmp(text, error.where, strlen(error.where)) == 0)
         text += strlen(error.where) + strspn(text + strlen(error.where), ": ");
-    st = vv_fail_at(st, NULL, property, "%s", text);
+    vvi_text sentence = {0};
+    put_sentence(&sentence, text, operation->params);
+    st = vv_fail_at(st, NULL, property, "%s", sentence.s ? sentence.s : text);
+    vvi_text_free(&sentence);
     vvi_error_copy_free(&error);
     return st;
 }

@@ -40,6 +40,8 @@ static vv_status put_preview(vvi_result *out, const vvi_preview *p, vv_job *job)
     vvi_result_bool(out, "whole", p->whole);
     vvi_result_bool(out, "full", p->full);
     vvi_result_unsigned(out, "bytes", p->bytes);
+    if (isfinite(p->seconds))
+        vvi_result_number(out, "seconds", p->seconds);
     if (p->image && p->box.n[0] > 0) {
         put_three(out, "lo", p->box.lo);
         put_three(out, "n", p->box.n);
@@ -74,7 +76,7 @@ static vv_status run(vvi_task *task, vv_job *job)
                                    .samples_most = SAMPLES_MOST};
     vvi_preview preview = {0};
     if (st == VV_OK)
-        st = vvi_request_fail_made(id, vvi_preview_make(&preview, &wish, job));
+        st = vvi_request_fail_made(r->operation, id, vvi_preview_make(&preview, &wish, job));
     if (st == VV_OK)
         st = put_preview(&r->value, &preview, job);
     vvi_preview_finish(&preview);

@@ -76,7 +76,7 @@ static vv_status run(vvi_task *task, vv_job *job)
         st = vvi_mapping_check_since(faults);
     if (st == VV_OK && (st = check_mesh(r->operation, data.mesh)) == VV_OK)
         vvi_request_take_notes(r, job);
-    st = vvi_request_fail_made(id, st);
+    st = vvi_request_fail_made(r->operation, id, st);
     vv_data_release(&data);
     vv_object_release(&world->base);
     return st;

@@ -102,6 +102,7 @@ def test_masks_name_labels_as_their_file_does():
     want = np.where(labels == 7, 100 + np.arange(24)[None, None, :], 0)
     assert (np.load("c.npy") == want).all()
     says(fails(2, "mask", "v.nrrd", "mask=organs.seg.nrrd", "--label", "left kidnei", "-o", "x.npy"), "left kidney")
+    says(fails(2, "mask", "v.nrrd", "mask=organs.seg.nrrd", "--label", "300", "-o", "x.npy"), "no sample of the mask can be 300", "0 to 255")
     np.save("small.npy", samples("u1"))
     says(fails(2, "mask", "v.nrrd", "small.npy", "-o", "x.npy"), "resample it first")
     says(fails(2, "mask", "v.nrrd", "-o", "x.npy"), "one more input", "mask=FILE")

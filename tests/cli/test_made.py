@@ -1,4 +1,5 @@
 """Data that are made of others: scenes carry the recipe, and pictures, results and measurements are those of files that the verbs write."""
+import gzip
 import json
 import os
 
@@ -234,10 +235,76 @@ def test_a_chain_in_little_memory_gives_the_same_bytes():
     assert read("whole.nrrd") == read("parts.nrrd")
 
 
+def write_vectors(path, samples):
+    """Time steps, each z, y, x, component; packed, so that nothing can be mapped."""
+    t, z, y, x, c = samples.shape
+    header = (f"NRRD0004\ntype: float\ndimension: 5\nsizes: {c} {x} {y} {z} {t}\nkinds: vector space space space time\n"
+              "encoding: gzip\nendian: little\n\n")
+    with open(path, "wb") as file:
+        file.write(header.encode() + gzip.compress(samples.astype("<f4").tobytes(), 1))
+
+
+def test_a_chain_with_further_inputs_streams():
+    samples = np.cumsum(RANDOM.integers(-2, 3, (2, 1024, 64, 32, 2)), 1) % 251
+    write_vectors("big.nrrd", samples)  # four times the memory
+    write_vectors("other.nrrd", samples[1:, ..., ::-1])  # goes with both time steps
+    write_samples("mask.nrrd", (32, 64, 1024), (RANDOM.random((1024, 64, 32)) > 0.3).astype("u1").tobytes())
+    chain = "gaussian --sigma 1 | mask mask=mask.nrrd | median | calc 'a - 0.5*b' b=other.nrrd | rescale --percentile 1..99 --type u8"
+    whole = ok("pipe", "big.nrrd", chain, "-o", "whole.nrrd", "--json").json
+    parts = ok("pipe", "big.nrrd", chain, "-o", "parts.nrrd", "--memory", "8M", "--threads", 2, "--json").json
+    assert (whole["streamed"], parts["streamed"], parts["frames"], parts["components"]) == (False, True, 2, 2)
+    assert parts["peak_bytes"] <= 8 << 20 and read("whole.nrrd") == read("parts.nrrd")
+    ok("pipe", "big.nrrd", chain + " | resample --size 16,32,64", "-o", "small.vv.json")  # made data: on the way nothing is held
+    ok("convert", "small.vv.json", "--frame", 1, "-o", "made.nrrd", "--memory", "12M")
+    ok("resample", "whole.nrrd@1", "--size", "16,32,64", "-o", "truth.nrrd")
+    assert read("made.nrrd") == read("truth.nrrd")
+
+
+def test_series_go_step_by_step_and_one_volume_with_all():
+    write_blob("one.nrrd")
+    for i in range(3):
+        ok("calc", f"a*{i + 1}", "one.nrrd", "-o", f"s{i}.nrrd")
+        ok("calc", f"a + {i}", "one.nrrd", "-o", f"t{i}.nrrd")
+    for name in "st":
+        ok("join", *(f"{name}{i}.nrrd" for i in range(3)), "-o", name + ".nrrd")
+    for first, other, pairs in (("s", "t", ("s%d", "t%d")), ("s", "one", ("s%d", "one")), ("one", "t", ("one", "t%d")), ("s@2", "t", ("s2", "t2"))):
+        frames = (2,) if "@" in first else range(3)
+        for i in frames:
+            a, b = (name % i if "%" in name else name for name in pairs)
+            ok("calc", "a - b", f"{a}.nrrd", f"{b}.nrrd", "-o", f"r{i}.nrrd", "--overwrite")
+        ok(*(("join",) + tuple(f"r{i}.nrrd" for i in frames) if len(frames) > 1 else ("convert", "r2.nrrd")), "-o", "truth.nrrd", "--overwrite")
+        words = (first.replace("s", "s.nrrd") if first != "one" else "one.nrrd", f"b={other}.nrrd")
+        ok("calc", "a - b", *words, "-o", "verb.nrrd", "--overwrite")
+        ok("pipe", words[0], f"calc 'a - b' {words[1]}", "-o", "pipe.nrrd", "--overwrite")
+        ok("pipe", words[0], f"calc 'a - b' {words[1]}", "-o", "made.vv.json", "--overwrite")
+        for i in frames:
+            ok("convert", "made.vv.json", "--frame", i, "-o", "made.nrrd", "--overwrite")
+            assert read("made.nrrd") == read(f"r{i}.nrrd"), (first, other, i)
+        for path in ("verb.nrrd", "pipe.nrrd"):
+            assert read(path)[-len(read("truth.nrrd")) // 2:] == read("truth.nrrd")[-len(read("truth.nrrd")) // 2:], (first, other, path)
+            assert ok("info", path, "--json").json["frames"] == len(frames), path
+    ok("join", "s0.nrrd", "s1.nrrd", "-o", "two.nrrd")
+    says(fails(2, "calc", "a - b", "s.nrrd", "b=two.nrrd", "-o", "x.nrrd"), "two.nrrd", "has 2 time steps but s.nrrd has 3")
+    says(fails(2, "pipe", "s.nrrd", "calc 'a - b' b=two.nrrd", "-o", "x.nrrd"), "step 1 of the chain", "'two' has 2 time steps but 's' has 3")
+    says(fails(2, "calc", "a - b", "s.nrrd@2", "b=two.nrrd", "-o", "x.nrrd"), "two.nrrd", "number 2")
+
+
+def test_what_samples_decide_is_worked_out_and_told_once():
+    write_blob()
+    ok("median", "in.nrrd", "-o", "m.nrrd")
+    truth = ok("threshold", "m.nrrd", "--method", "otsu", "-o", "t.nrrd", "--json").json["thresholds"]
+    again = ok("pipe", "in.nrrd", "median | threshold --method otsu", "-o", "y.nrrd", "--json").json["thresholds"]
+    assert truth == again
+    np.save("big.npy", RANDOM.integers(0, 60000, (2000, 64, 64)).astype("u2"))
+    ok("convert", "big.npy", "-o", "big.nrrd", "--encoding", "gzip", "--level", 1)
+    told = ok("pipe", "big.nrrd", "clamp --range 5.. | threshold --method multi-otsu --classes 3", "-o", "z.nrrd", "--memory", "8M")
+    assert told.text.count("1 above") == 1 and "streamed" in told.text, told.text
+
+
 def test_what_is_wrong_in_a_chain_is_said_with_its_step():
     write_blob()
     for chain, words in (("gausian --sigma 1", ("step 1", "did you mean 'gaussian'")), ("gaussian | trheshold --range 1..", ("step 2", "threshold")),
-                         ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("gaussian |", ("step 2", "operation is missing")),
+                         ("gaussian --sgima 1", ("step 1 of the chain, gaussian", "--sigma")), ("calc '-a'", ("step 1 of the chain, calc", "write '0-a'")), ("gaussian |", ("step 2", "operation is missing")),
                          ("gaussian 'x", ("quotation mark",)), ("gaussian --threads 2", ("--threads", "outside of the chain")),
                          ("isosurface --iso 9 | median", ("step 2 of the chain, median", "takes a volume")),
                          ("gaussian --sigma 1 | calc a+b b=none.nrrd", ("step 2 of the chain, calc", "none.nrrd")),

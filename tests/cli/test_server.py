@@ -410,6 +410,9 @@ def test_command_lines_make_the_data_and_then_the_picture():
                 said = await page.refused("command", **{**sharp, "operation": "gausian"})
                 assert "gaussian" in said, said
                 assert "sigma" in await page.refused("command", **{**sharp, "parameters": {"sigma": "x"}})
+                assert "formula" in await page.refused("command", **{**sharp, "operation": "calc", "parameters": {}})
+                plain = await page.refused("command", **{**sharp, "operation": "threshold", "parameters": {}})
+                assert "Method otsu" in plain and "--" not in plain, plain  # the page has no options
                 first = (await page.ask("run", **sharp))["dataset"]
                 crop = {"x": "5:35", "z": "8:"}
                 second = (await page.ask("run", operation="crop", dataset=first, parameters=crop))["dataset"]

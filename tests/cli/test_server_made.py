@@ -79,11 +79,11 @@ def test_command_lines_are_the_recipe():
         async def work():
             async with Page(server) as page:
                 frame = await page.resting()
-                next_one = await page.ask("command", operation="median", dataset="threshold", parameters={"radius": 1})
+                next_one = await page.ask("command", operation="components", dataset="threshold", parameters={})
                 return frame, (await page.ask("command"))["text"], next_one["text"]
         frame, lines, next_one = run(work())
     assert [line.split()[1] for line in lines.split("\n")] == ["gaussian", "threshold", "render"], lines
-    assert [line.split()[1] for line in next_one.split("\n")] == ["gaussian", "threshold", "median"], next_one
+    assert [line.split()[1] for line in next_one.split("\n")] == ["gaussian", "threshold", "components"], next_one
     assert psnr(run_lines(lines), pixels(frame.data)) >= 40, lines
 
 

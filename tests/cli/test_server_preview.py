@@ -106,6 +106,7 @@ def test_what_needs_the_whole_says_so_unless_the_volume_is_small():
             async with Page(server, 200, 150, plane="axial") as page:
                 told = await page.ask("preview", operation="components", dataset="a", parameters={})
                 assert told["whole"] and not told["full"] and "picture" not in told, told
+                assert 0 < told["seconds"] < 600, told
                 assert told["bytes"] >= 2 * 80 ** 3, told
                 assert "picture" in await page.ask("preview", operation="components", dataset="a", whole=True)
         run(large())

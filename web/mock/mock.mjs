@@ -317,7 +317,7 @@ export async function serve(built, words = []) {
     preview: (c, m) => {
       if (/nonsense/.test(JSON.stringify(m.parameters))) throw new Error('parameters.sigma: expected a length, found "nonsense"');
       const local = m.operation !== "components";
-      if (!local && !m.whole) return { whole: true, full: false, bytes: 21_000_000 };
+      if (!local && !m.whole) return { whole: true, full: false, bytes: 21_000_000, seconds: 12 };
       const from = c.plane ? { ...planePose(c.plane), eye: planePose(c.plane).eye.map((v) => v / 11) } : pose();
       const box = c.plane ? { lo: [0, 0, 63], n: [128, 128, 3], dims: [128, 128, 128], window: [10, 210], before: 143, after: 118.25 } : { lo: [0, 0, 0], n: [128, 128, 128], dims: [128, 128, 128], before: 143, after: 118.25 };
       return { whole: !local, full: true, bytes: 4_194_304, ...box, picture: `data:image/png;base64,${picture(Math.min(c.width, PIXELS), Math.round((c.height * Math.min(c.width, PIXELS)) / c.width), from, look("fire")).toString("base64")}` };

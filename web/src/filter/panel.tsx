@@ -6,7 +6,7 @@ import type { Operand } from "../protocol";
 import { ask, edit, tryAsk } from "../session";
 import * as store from "../store";
 import { IconButton, Select, Switch } from "../ui/controls";
-import { formatBytes, formatNumber, freeName, label, titleOf, valueAt } from "../values";
+import { formatBytes, formatNumber, formatSeconds, freeName, label, titleOf, valueAt } from "../values";
 import { insertStep } from "./chain";
 import { change, hindrance, isComplete, plan, previewOn, previews, recipe, request, setParameter, waiting, type Plan, type Preview } from "./state";
 
@@ -87,7 +87,7 @@ function PreviewState({ of }: { of: Plan }) {
       {flawed ? <p class="row-error" role="alert">{sentence(refusal.replace(/^parameters\./, ""))}</p> : null}
       {large ? (
         <p class="preview-note">
-          {label(of.operation.name)} looks at all samples at once: about {formatBytes(large.bytes)}.{" "}
+          {label(of.operation.name)} looks at all samples at once: about {formatBytes(large.bytes)}{large.seconds == null ? null : ` and ${formatSeconds(large.seconds)}`}.{" "}
           <button type="button" class="button button-small" onClick={() => change({ whole: true })}>Preview the whole</button>
         </p>
       ) : null}

@@ -24,6 +24,8 @@ export interface Preview {
   whole: boolean;
   full: boolean;
   bytes: number;
+  /** That the whole takes about, where that is known. */
+  seconds?: number;
   picture?: string;
   lo?: number[];
   n?: number[];
