@@ -90,6 +90,7 @@ static const vv_measure_kind kinds[] = {
      .forms = EXTENT("method closed", "closed", VVI_EXTENT, vvi_measure_summary, 0)},
     {.name = "joint",
      .doc = "how often values occur with lengths of the gradient",
+     .main = "gradient_mean",
      .plot = true,
      .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_joint_histogram)},
     {.name = "point",

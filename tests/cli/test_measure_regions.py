@@ -181,6 +181,14 @@ def test_what_makes_no_region_is_told():
     says(crossed.message, "the polygon crosses itself")
 
 
+def test_a_range_may_say_that_it_has_no_limit():
+    write("any.nrrd", noise("int16"))
+    for said, meant in (("100..inf", "100.."), ("-inf..20", "..20")):
+        assert ok("measure", "volume", "any.nrrd", "--threshold", said).text == ok("measure", "volume", "any.nrrd", "--threshold", meant).text
+    for nothing in ("-inf..inf", "inf..5", "5..-inf"):
+        says(fails(2, "measure", "volume", "any.nrrd", "--threshold", nothing), f"expected LO..HI, as in 90..300, 90.. or 90, found '{nothing}'")
+
+
 def test_scenes_keep_them_and_pictures_show_them():
     write("any.nrrd", noise("uint8", shape=(23, 25, 27)))
     asked = words(region="polygon", vertex=[(4, 4, 11), (20, 6, 11), (12, 20, 11)])
