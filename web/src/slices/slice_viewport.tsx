@@ -13,7 +13,7 @@ import { IconButton } from "../ui/controls";
 import { formatNumber, label } from "../values";
 import { watchSize } from "../view/pixel_size";
 import { datasetOfRuns, endGesture, goToSlice, runOf } from "./edits";
-import { AXIS, PLANES, sliceAt, toPicture, toWorld, type Plane, type Vec3 } from "./geometry";
+import { AXIS, frameOf, PLANES, sliceAt, toPicture, toWorld, type Plane, type Vec3 } from "./geometry";
 import { toggleMaximised, useHands } from "./hands";
 import { SliceView } from "./slice_view";
 
@@ -76,6 +76,7 @@ function targetOf(view: SliceView, size: () => [number, number]): Target {
     name: view.plane,
     at: (x, y) => (view.pose.value && hair() ? toWorld(view.pose.value, aspect(), x, y, hair()!) : null),
     pick: (x, y) => view.ask<Pick>({ type: "pick", x, y }).catch(() => null),
+    frame: () => (view.pose.value ? frameOf(view.pose.value) : null),
     middle: () => (view.pose.value && hair() ? toPicture(view.pose.value, aspect(), hair()!) : [0.5, 0.5]),
   };
 }
