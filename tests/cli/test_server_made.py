@@ -167,11 +167,15 @@ def test_what_cannot_be_made_is_said_and_the_server_goes_on():
                 before = await page.resting()
                 for path, value, sentence in bad:
                     await page.edit(("set", path, value))
-                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "notice" and sentence in m["text"]), None))
+                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "failed" and sentence in m["text"]), None))
                     says(error["text"], "datasets.gaussian")
+                    assert error["where"].startswith("datasets.gaussian") and error["frame"] >= before.number, error
                     says(await page.refused("info", dataset="gaussian"), "datasets.gaussian") if sentence != "memory" else None
+                    told = len(page.messages)
                     await page.say("undo")
-                    await page.heard()
+                    await page.until(lambda: any(m["type"] == "outdated" for m in page.messages[told:]))  # what failed is tried again
+                    assert (await page.resting()).number > error["frame"]
+                assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"], page.messages
                 await page.edit(*(("set", f"datasets.{name}", value) for name, value in links.items()))
                 says(await page.refused("info", dataset="d98"), "more than 64 operations")
                 assert (await page.ask("info", dataset="d50"))["dims"] == (await page.ask("info", dataset="head"))["dims"]
