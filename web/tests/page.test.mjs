@@ -286,6 +286,21 @@ describe("the page", TOGETHER, () => {
     ]]);
   }));
 
+  test("a step that cannot be made says so where it is and over the picture, until it can", () => withPage(["--made"], async (page) => {
+    await page.locator(".tree-name", { hasText: "body" }).click();
+    const range = page.getByRole("textbox", { name: "Range", exact: true });
+    const edit = async (text) => { await range.fill(text); await range.press("Enter"); };
+    await edit("");
+    await page.locator(".overlay-failed", { hasText: "Threshold cannot be made: expected a range" }).waitFor();
+    await page.locator(".step-failed", { hasText: "Cannot be made: expected a range" }).waitFor();
+    await waitForPicture(page);
+    assert.equal(await page.locator(".dot-refining").count(), 0);
+    assert.equal(await page.locator(".picture-outdated").count(), 1);
+    await edit("80..");
+    await page.locator(".dot-final").waitFor();
+    assert.equal(await page.locator(".overlay-failed, .step-failed, .picture-outdated").count(), 0);
+  }));
+
   test("a file that is dropped is sent, then opened", () => withPage(["--empty"], async (page) => {
     const data = await page.evaluateHandle(() => {
       const transfer = new DataTransfer();

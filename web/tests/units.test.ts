@@ -5,6 +5,7 @@ import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
 import { applyChanges, KnownWorld } from "../src/changes";
 import { backOff, Connection } from "../src/connection";
+import { datasetOf as failedDataset, reasonOf } from "../src/failure";
 import { Finality, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
@@ -56,6 +57,18 @@ test("frames that came before the server took its word back are final no more, o
   assert.deepEqual([1, 2, 3].map((frame) => finality.isOutdated(frame)), [true, true, false]);
   finality.begin();
   assert.equal(finality.isOutdated(1), false);
+});
+
+test("why there is no picture is said until it is tried again or a newer frame is there", () => {
+  const finality = new Finality();
+  const failure = { text: "datasets.body.parameters: expected a range", where: "datasets.body.parameters", frame: 7 };
+  const kept = (frame: number) => { finality.fail(failure); finality.show(frame); return finality.failure !== null; };
+  assert.deepEqual([6, 7, 8].map(kept), [true, true, false]);
+  finality.fail(failure);
+  finality.outdate();
+  assert.equal(finality.failure, null);
+  assert.deepEqual([failedDataset(failure), failedDataset({ ...failure, where: null }), failedDataset({ ...failure, where: "volumes.ring" })], ["body", null, null]);
+  assert.deepEqual([reasonOf(failure), reasonOf({ ...failure, where: null })], ["expected a range", failure.text]);
 });
 
 test("places are from the middle in half of the smaller side, y up", () => {

@@ -87,5 +87,5 @@ export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: stri
 /** Of the Navigator, while no slices are there to be looked at. */
 export function NavigatorPreview({ ask, outdated }: { ask: Ask; outdated: Signal<boolean> }) {
   if (!asked.value || store.layout.value === "slices") return null;
-  return <PreviewOverlay viewport="navigator" ask={ask} frame={store.frame.value?.number ?? 0} still={store.isFinal.value && !outdated.value && store.pose.value?.moving !== true} />;
+  return <PreviewOverlay viewport="navigator" ask={ask} frame={store.frame.value?.number ?? 0} still={((store.isFinal.value && !outdated.value) || store.failed.value !== null) && store.pose.value?.moving !== true} />;
 }
