@@ -162,10 +162,11 @@ vv_status vvi_request_fail_made(const char *id, vv_status st)
         (last->where[n] && last->where[n] != '.'))
         return st;
     vvi_error_take(&error);
-    const char *property = error.where[n] ? error.where + n + 1 : NULL, *text = error.message;
+    const char *inside = error.where + n, *text = error.message;
     if (strncmp(text, error.where, strlen(error.where)) == 0)
         text += strlen(error.where) + strspn(text + strlen(error.where), ": ");
-    st = vv_fail_at(st, NULL, property, "%s", text);
+    const bool named = strchr(inside + (*inside == '.'), '.') != NULL; /* "parameters" alone says nothing */
+    st = vv_fail_at(st, NULL, named ? inside + 1 : NULL, "%s", text);
     vvi_error_copy_free(&error);
     return st;
 }

@@ -3,6 +3,7 @@ import type { Signal } from "@preact/signals";
 import type { TargetedPointerEvent } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import * as store from "../store";
+import { label } from "../values";
 import { asked, previewOn, previews, request, waiting, wipe, type Plan, type Preview } from "./state";
 
 type Ask = (message: { type: string; [name: string]: unknown }) => Promise<Preview>;
@@ -76,7 +77,8 @@ export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: stri
   if (!preview?.picture || !previewOn.value) return null;
   return (
     <div class="preview" data-preview={viewport}>
-      <img ref={image} class="preview-after" src={preview.picture} alt={`${wanted!.operation.name}, a preview`} draggable={false} />
+      {preview.input ? <img class="preview-before" src={preview.input} alt={`Before ${label(wanted!.operation.name)}`} draggable={false} /> : null}
+      <img ref={image} class="preview-after" src={preview.picture} alt={`${label(wanted!.operation.name)}, a preview`} draggable={false} />
       {share > 0.12 ? <span class="preview-word preview-word-before" aria-hidden="true">Before</span> : null}
       {share < 0.88 ? <span class="preview-word preview-word-after" aria-hidden="true">After</span> : null}
       <Divider />

@@ -25,6 +25,8 @@ export interface Preview {
   full: boolean;
   bytes: number;
   picture?: string;
+  /** What it is made of, where the view shows something else. */
+  input?: string;
   lo?: number[];
   n?: number[];
   dims?: number[];
