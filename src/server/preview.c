@@ -329,7 +329,7 @@ static vv_status make(work *w)
         st = vv_fail(VV_E_UNSUPPORTED, "%s makes a mesh, which slices do not show", w->made.operation->name);
     if (st != VV_OK)
         return st;
-    w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params);
+    w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params, w->out->info.n_frames);
     if (w->out->whole && parts > w->wish->whole_most && !w->wish->whole)
         return VV_OK;
     st = w->out->whole ? make_whole(w) : make_box(w);
