@@ -1,17 +1,16 @@
 /** How a dataset came about, as a list that can be edited: steps are switched off, moved, put between others and removed. */
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { copyText } from "../actions";
 import { datasetOf, reasonOf } from "../failure";
 import { Icon } from "../icons";
-import { Properties, sentence } from "../inspector/properties";
+import { Properties } from "../inspector/properties";
 import { tryEdit } from "../session";
 import * as store from "../store";
 import { IconButton, Switch } from "../ui/controls";
-import { label, titleOf, valueAt } from "../values";
+import { label, sentence, titleOf, valueAt } from "../values";
 import type { Edit } from "../protocol";
-import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step, type Tables } from "./chain";
-
-const tables = (): Tables => ({ world: store.world.value, operations: store.welcome.value?.operations ?? [], classes: store.classes.value });
+import { freshStep, tables } from "./state";
+import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step } from "./chain";
 
 /** Edits, or why there are none. */
 function take(edits: Edit[] | string): boolean {
@@ -89,10 +88,16 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   );
 }
 
-/** Which step is open: the one that is looked at, until another is chosen. */
+/** Which step is open: a new one, else the one that is looked at, until another is chosen. */
 export function Pipeline({ dataset }: { dataset: string }) {
   const chain = chainOf(tables(), dataset);
   const [opened, setOpened] = useState<string | null>(dataset);
+  const fresh = freshStep.value;
+  useEffect(() => {
+    if (!fresh || !chain.steps.some((step) => step.id === fresh)) return;
+    setOpened(fresh);
+    freshStep.value = null;
+  }, [fresh]);
   if (!chain.steps.length) return null;
   return (
     <section class="pipeline" aria-label="Pipeline">

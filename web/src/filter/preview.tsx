@@ -24,6 +24,7 @@ function usePreview(viewport: string, ask: Ask, of: Plan | null, at: string, sti
     }
     if (!still) return;
     let isNewest = true;
+    if (typeof previews.peek()[viewport] === "string") keep(viewport, null); // it was of what is changed now
     const take = (value: Preview | string) => {
       if (!isNewest) return;
       keep(viewport, value);
@@ -67,10 +68,13 @@ function Divider() {
   );
 }
 
+/** Slices do not show it. */
+const makesMesh = (of: Plan | null): boolean => of?.operation.gives === "mesh";
+
 /** at: changes with everything that the view shows; still: nothing of it is on its way. */
 export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: string; ask: Ask; frame: number; still: boolean }) {
   const image = useRef<HTMLImageElement>(null);
-  const wanted = asked.value;
+  const wanted = viewport !== "navigator" && makesMesh(asked.value) ? null : asked.value;
   const preview = usePreview(viewport, ask, wanted, `${frame}`, still);
   const share = wipe.value;
   useLayoutEffect(() => image.current?.style.setProperty("--wipe", String(share)));
@@ -88,6 +92,6 @@ export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: stri
 
 /** Of the Navigator, while no slices are there to be looked at. */
 export function NavigatorPreview({ ask, outdated }: { ask: Ask; outdated: Signal<boolean> }) {
-  if (!asked.value || store.layout.value === "slices") return null;
+  if (!asked.value || (store.layout.value === "slices" && !makesMesh(asked.value))) return null;
   return <PreviewOverlay viewport="navigator" ask={ask} frame={store.frame.value?.number ?? 0} still={((store.isFinal.value && !outdated.value) || store.failed.value !== null) && store.pose.value?.moving !== true} />;
 }

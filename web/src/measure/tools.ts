@@ -51,9 +51,9 @@ export function toolsOf(measures: Measure[]): Tool[] {
 /** What to do next, in one sentence. */
 export function hintOf(tool: Tool, given: number): string {
   if (tool.takes === "nothing") return "";
-  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator.`;
+  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator. Escape puts the tool away.`;
   const what = tool.takes === "box" ? "corner" : "point";
   const which = ["first", "second", "third"][given] ?? "next";
   const end = given >= tool.least && tool.most > tool.least ? " Enter or a double click ends the line." : "";
-  return `Click the ${tool.most === 1 ? what : `${which} ${what}`}.${end}${given ? " Backspace takes the last one back." : ""} Escape cancels.`;
+  return `Click the ${tool.most === 1 ? what : `${which} ${what}`}, or press Space.${end}${given ? " Backspace takes the last one back, Escape all of them." : " Escape puts the tool away."}`;
 }
