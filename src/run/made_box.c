@@ -3,10 +3,12 @@
 #include "run/made.h"
 #include <volvis/sys/registry.h>
 
-bool vvi_made_is_local(const vvi_made *made, const vv_object *params)
+/* Rows that work slice by slice look at values alone, which is quick, and that is kept: those of one time step. */
+bool vvi_made_is_local(const vvi_made *made, const vv_object *params, int64_t n_frames)
 {
     const vv_operation *o = made->operation;
-    return o->run_box && !o->joins && vv_operation_makes(o) == VV_IS_FIELD && !(o->looks && o->looks(params));
+    const bool looks = o->looks && o->looks(params);
+    return o->run_box && !o->joins && vv_operation_makes(o) == VV_IS_FIELD && (!looks || (o->in_order && n_frames < 2));
 }
 
 vv_status vvi_made_fields_open(vvi_made_fields *out, const vvi_made *made, int64_t frame, vv_job *job)
@@ -34,7 +36,7 @@ vv_status vvi_made_box(vv_field **out, const vvi_made *made, const vvi_made_fiel
     const vv_field *const *inputs = (const vv_field *const *)fields->field;
     const vv_operation *o = made->operation;
     *out = NULL;
-    if (!vvi_made_is_local(made, params))
+    if (!vvi_made_is_local(made, params, 1))
         return vv_fail(VV_E_UNSUPPORTED, "datasets.%s: %s makes all of its samples at once", made->id, o->name);
     const vv_status st = o->run_box(out, inputs, fields->n, params, box, job);
     return vvi_made_fail(made, NULL, vvi_operation_check(out, inputs, fields->n, st));

@@ -21,6 +21,7 @@ void vvi_painted_free(vvi_painted *painted)
     vv_image_bytes_free(painted->bytes);
     free(painted->resolved);
     free(painted->error);
+    free(painted->where);
     free(painted->warnings);
     *painted = (vvi_painted){.n = 0};
 }

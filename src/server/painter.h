@@ -56,6 +56,7 @@ typedef struct vvi_painted {
     const char *method;    /**< a row of the renderer table */
     char *resolved;        /**< the scene with all that was worked out, as JSON; NULL: as it was */
     char *error;           /**< one sentence */
+    char *where;           /**< the property of the World that the error is about; NULL: none is known */
     vvi_warnings warnings; /**< of files that were read; with a frame, or without one */
 } vvi_painted;
 

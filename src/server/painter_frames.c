@@ -323,9 +323,11 @@ static void make_ready(painting *p)
 static void tell_failure(painting *p, vv_status st)
 {
     vvi_painted painted = frame_of(p);
+    const vv_error *error = vv_error_last();
     if (st == VV_OK || st == VV_E_CANCELLED)
         return;
-    painted.error = vvi_strdup(vv_error_last()->message);
+    painted.error = vvi_strdup(error->message);
+    painted.where = error->where && !error->file ? vvi_strdup(error->where) : NULL;
     leave(p, &painted);
 }
 

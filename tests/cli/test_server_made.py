@@ -130,6 +130,33 @@ def test_a_step_that_is_switched_off_is_left_out():
             assert one.read() == other.read(), made
 
 
+def test_what_becomes_labels_or_none_any_more_is_shown_so_unless_somebody_said_how():
+    write_ball()
+    ok("threshold", "head.nrrd", "--range", "90..", "-o", "body.nii.gz")
+    with Server("body.nii.gz") as server:
+        async def work():
+            async with Page(server) as page:
+                async def kind():
+                    await page.resting()
+                    await page.until(lambda: [m for m in page.messages if m["type"] == "resolved" and m["number"] == page.world["number"]])
+                    said = [m for m in page.messages if m["type"] == "resolved"][-1]["world"]["volumes"]["body"]
+                    return said["segmentation"]["kind"], said["interpolation"]
+                kinds = [await kind()]
+                made = (await page.ask("run", operation="calc", dataset="body", inputs={"a": "body"}, parameters={"formula": "a * 2.5"}))["dataset"]
+                kinds.append(await kind())
+                await page.edit(("set", f"datasets.{made}.on", False))
+                kinds.append(await kind())
+                await page.edit(("set", f"datasets.{made}.on", True))
+                await page.ask("run", operation="threshold", dataset=made, parameters={"range": "2.."})
+                kinds.append(await kind())
+                await page.edit(("set", "volumes.body.segmentation.kind", "transfer"))
+                kinds.append(await kind())
+                return kinds
+        kinds = run(work())
+    labels, amounts = ("labels", "nearest"), ("transfer", "linear")
+    assert kinds == [labels, amounts, labels, labels, ("transfer", "nearest")], kinds
+
+
 def test_results_that_older_versions_wrote_are_files():
     write_ball()
     ok("gaussian", "head.nrrd", "--sigma", "3vox", "-o", "result-1.nrrd")
@@ -167,11 +194,15 @@ def test_what_cannot_be_made_is_said_and_the_server_goes_on():
                 before = await page.resting()
                 for path, value, sentence in bad:
                     await page.edit(("set", path, value))
-                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "notice" and sentence in m["text"]), None))
+                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "failed" and sentence in m["text"]), None))
                     says(error["text"], "datasets.gaussian")
+                    assert error["where"].startswith("datasets.gaussian") and error["frame"] >= before.number, error
                     says(await page.refused("info", dataset="gaussian"), "datasets.gaussian") if sentence != "memory" else None
+                    told = len(page.messages)
                     await page.say("undo")
-                    await page.heard()
+                    await page.until(lambda: any(m["type"] == "outdated" for m in page.messages[told:]))  # what failed is tried again
+                    assert (await page.resting()).number > error["frame"]
+                assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"], page.messages
                 await page.edit(*(("set", f"datasets.{name}", value) for name, value in links.items()))
                 says(await page.refused("info", dataset="d98"), "more than 64 operations")
                 assert (await page.ask("info", dataset="d50"))["dims"] == (await page.ask("info", dataset="head"))["dims"]

@@ -58,11 +58,11 @@ export function toolsOf(measures: Measure[]): Tool[] {
 /** What to do next, in one sentence. */
 export function hintOf(tool: Tool, given: number): string {
   if (tool.takes === "nothing") return "";
-  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator.`;
+  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator. Escape puts the tool away.`;
   const what = tool.takes === "points" ? "point" : "corner";
   const which = ["first", "second", "third"][given] ?? "next";
   const end = given >= tool.least && tool.most > tool.least ? ` Enter or a double click ${tool.takes === "polygon" ? "closes the outline" : "ends the line"}.` : "";
   const next = tool.takes === "sphere" ? (given ? "a place on its border" : "the middle") : tool.most === 1 ? `the ${what}` : `the ${which} ${what}`;
   const where = isFlat(tool.takes) && !given ? " in a slice" : "";
-  return `Click ${next}${where}.${end}${given ? " Backspace takes the last one back." : ""} Escape cancels.`;
+  return `Click ${next}${where}, or press Space.${end}${given ? " Backspace takes the last one back, Escape all of them." : " Escape puts the tool away."}`;
 }
