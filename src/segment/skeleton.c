@@ -397,7 +397,7 @@ const vv_operation vvi_operation_skeleton = {
     .component = "segment",
     .group = "morphology",
     .doc = "thin labels to curves along their middle, one voxel thick, that hang together as the labels do; each label "
-           "separately",
+           "separately (Lee, Kashyap & Chu 1994)",
     .example = "volvis skeleton head.nrrd -o curves.nrrd --range 150..",
     .params = &skeleton_class,
     .inputs = VV_ONE_VOLUME,
