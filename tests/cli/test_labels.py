@@ -236,7 +236,7 @@ def test_a_part_grows_as_far_as_scipy_says():
             assert (got == np.isin(labels, found)).all(), (shape, connectivity)
         x, y, z = seeds[0]
         near = data[max(z - 2, 0):z + 3, max(y - 2, 0):y + 3, max(x - 2, 0):x + 3].astype("f8")
-        lo, hi = near.mean() - 1.5 * near.std(), max(near.mean() + 1.5 * near.std(), data[z, y, x])
+        lo, hi = near.mean() - 1.5 * near.std(ddof=1), max(near.mean() + 1.5 * near.std(ddof=1), data[z, y, x])
         labels, _ = ndimage.label((data >= lo) & (data <= hi))
         got = made("grow", data, "--seed", f"{x},{y},{z}", "--deviations", "1.5", "--radius", "2")
         assert (got == (labels == labels[z, y, x])).all(), shape
