@@ -63,6 +63,7 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
     vvi_text_add(out, "\n");
     if (verb->about)
         add_paragraph(out, verb->about);
+    cli_usage_inputs(out, verb, "\nInputs\n", cli_help_entry);
     const char *last = NULL;
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];

@@ -56,6 +56,19 @@ def test_clamping_keeps_all_digits_and_ends_inside_the_range():
     says(fails(2, "clamp", "a.npy", "-o", "x.npy"), "range is needed")
 
 
+def test_windows_are_their_formula():
+    need_numpy()
+    for kind in KINDS:
+        for shape in SHAPES:
+            data = samples(kind, shape)
+            np.save("a.npy", data)
+            share = (np.clip(data.astype("f8"), 40, 70) - 40) / 30
+            got = result("rescale", "--from", "40..70", "--to", "0..1", "--type", "f32")
+            assert np.allclose(got, share, atol=1e-6, equal_nan=True), kind
+            got = result("rescale", "--from", "40..70", "--type", "u8").astype("f8")
+            assert np.abs(got - np.nan_to_num(255 * share)).max() <= 0.5 + 1e-4, kind
+
+
 def write_scaled(path, data):
     """Stored numbers that mean 100 - 2 v."""
     with open(path, "wb") as file:
