@@ -311,7 +311,7 @@ static vv_status grid_of(vv_field **out, const vv_field_info *info, vv_job *job)
     const vvi_lazy_source none = {.make = refuse_samples};
     vvi_lazy_pool *pool;
     *out = NULL;
-    vv_status st = vvi_lazy_pool_new(&pool, 1, job);
+    vv_status st = vvi_lazy_pool_new(&pool, 1, 0, job);
     if (st == VV_OK)
         st = vvi_field_lazy(out, info, &none, pool, job);
     vvi_lazy_pool_release(pool);

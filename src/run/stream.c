@@ -19,7 +19,8 @@ void vvi_stream_free(vvi_stream *stream)
     *stream = (vvi_stream){0};
 }
 
-/* Each pool keeps two slabs, and making one may take a few more. */
+/* Each pool keeps two slabs, and making one may take a few more. Where that is too much, those of the result get as
+ * thin as need be; those on the way to it do not, or what steps look at around a slab would be made over and over. */
 vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_job *job)
 {
     const size_t n = n_inputs + n_steps;
@@ -30,7 +31,8 @@ vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_j
     if (!out->pools)
         return vv_fail_memory(n * sizeof(vvi_lazy_pool *));
     for (; out->n_pools < n && st == VV_OK; out->n_pools += st == VV_OK)
-        st = vvi_lazy_pool_new(&out->pools[out->n_pools], slab_bytes, job);
+        st = vvi_lazy_pool_new(&out->pools[out->n_pools], slab_bytes,
+                               out->n_pools < n_inputs || out->n_pools + 1 == n ? 0 : slab_bytes / 4, job);
     if (st != VV_OK)
         vvi_stream_free(out);
     return st;
