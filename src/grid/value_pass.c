@@ -5,6 +5,7 @@
 #include "core/memory.h"
 
 #define ITEM_SAMPLES ((int64_t)1 << 19)
+#define BRICK_SAMPLES ((int64_t)1 << 16) /* that are asked for at once: gathered, where they lie in several slabs */
 
 typedef struct shared {
     const vvi_pass *pass;
@@ -39,20 +40,31 @@ static void take_row(const shared *s, void *scratch, size_t index, const vv_bric
     }
 }
 
+static vv_status take_box(const shared *s, void *scratch, size_t index, const vv_box *box)
+{
+    vv_brick brick;
+    const vv_status st = vv_field_brick(&brick, s->field, box, s->job);
+    if (st != VV_OK)
+        return st;
+    const char *first = (const char *)brick.data + (size_t)s->component * vv_type_bytes(brick.type);
+    for (int64_t k = 0; k < box->n[2]; k++)
+        for (int64_t j = 0; j < box->n[1]; j++)
+            take_row(s, scratch, index, &brick, first + j * brick.stride[1] + k * brick.stride[2]);
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
 static vv_status pass_item(void *scratch, void *user, size_t index)
 {
     const shared *s = user;
     const vv_box box = vvi_slabs_item(&s->slabs, index);
-    vv_brick brick;
-    const vv_status st = vv_field_brick(&brick, s->field, &box, s->job);
-    if (st != VV_OK)
-        return st;
-    const char *first = (const char *)brick.data + (size_t)s->component * vv_type_bytes(brick.type);
-    for (int64_t k = 0; k < box.n[2]; k++)
-        for (int64_t j = 0; j < box.n[1]; j++)
-            take_row(s, scratch, index, &brick, first + j * brick.stride[1] + k * brick.stride[2]);
-    vv_brick_release(&brick);
-    return VV_OK;
+    const vvi_slabs parts = vvi_slabs_of(&box, BRICK_SAMPLES);
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < parts.n && st == VV_OK; i++) {
+        const vv_box part = vvi_slabs_item(&parts, i);
+        st = take_box(s, scratch, index, &part);
+    }
+    return st;
 }
 
 static vv_status start(void **scratch_out, void *user, int worker)
