@@ -60,12 +60,14 @@ static void report(cli_command *command, const char *output, const vv_run_about 
 static void report_plan(cli_command *command, const char *output, const cli_input *inputs, size_t n_inputs,
                         const vv_run_about *run)
 {
-    char about[128], needed[32], working[32];
+    char about[128], needed[32], working[32], scratch[32];
     uint64_t bytes = 0;
     const uint64_t n_results = run->n_layers > 0 ? run->n_layers : (uint64_t)run->n_frames;
     cli_describe_info(about, &run->info, run->n_frames);
-    vvi_print_bytes(needed, run->bytes);
+    const uint64_t limit = vv_runtime_memory_limit(vv_job_runtime(command->job));
+    vvi_print_bytes(needed, run->streamed ? limit : run->bytes);
     vvi_print_bytes(working, run->working);
+    vvi_print_bytes(scratch, run->scratch);
     for (size_t i = 0; i < n_inputs; i++) {
         const vv_field_info *info = vv_file_info(inputs[i].file);
         char from[128];
@@ -74,14 +76,21 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
     }
     cli_command_line(command, "makes", "%s: %s%s", output, about,
                      run->finds_type ? ", as values: in the smallest type that holds them" : "");
-    cli_command_line(command, "needs", "%s for samples and results%s%s%s%s", needed,
-                     run->streamed ? ", slab by slab" : "", run->working ? "; about " : "", run->working ? working : "",
+    cli_command_line(command, "needs", "%s%s%s%s%s%s", run->streamed ? "at most " : "", needed,
+                     run->streamed ? ", the limit, slab by slab" : " for samples and results",
+                     run->scratch   ? "; a temporary file of "
+                     : run->working ? "; about "
+                                    : "",
+                     run->scratch   ? scratch
+                     : run->working ? working
+                                    : "",
                      run->working ? " to work with" : "");
     report_info(command, output, &run->info, run);
     if (vv_field_info_bytes(&bytes, &run->info) == VV_OK)
         vvi_result_unsigned(&command->json, "output_bytes", bytes * n_results);
     vvi_result_unsigned(&command->json, "working_bytes", run->working);
-    vvi_result_unsigned(&command->json, "memory_bytes", run->bytes + run->working);
+    vvi_result_unsigned(&command->json, "memory_bytes", run->streamed ? limit : run->bytes + run->working);
+    vvi_result_unsigned(&command->json, "scratch_bytes", run->scratch);
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_result_bool(&command->json, "dry_run", true);
 }

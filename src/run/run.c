@@ -183,6 +183,9 @@ static vv_status plan_steps(vv_run *r)
         const uint64_t working =
             step->operation->memory ? step->operation->memory(infos, s ? 1 : n_at_once(r), step->params) : 0;
         r->about.working = working > r->about.working ? working : r->about.working;
+        r->whole |= !(step->operation->run_box && working == 0) && !step->operation->passes;
+        if (step->operation->passes && step->operation->passes->scratch)
+            r->about.scratch += step->operation->passes->scratch(infos, s ? 1 : n_at_once(r), step->params);
         infos[0] = next;
         r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     }
@@ -212,11 +215,12 @@ static vv_status plan_reading(vv_run *r)
 static vv_status plan_memory(vv_run *r)
 {
     vv_status st = VV_OK;
-    bool streamed = vvi_stream_needed(r->about.bytes, r->job);
-    for (size_t s = 0; s < r->n_steps; s++)
-        streamed = streamed && r->steps[s].operation->run_box;
-    if (streamed && (st = vvi_stream_init(&r->stream, n_at_once(r), r->n_steps, r->job)) == VV_OK)
+    const bool streamed = vvi_stream_needed(r->about.bytes, r->job) && !r->whole;
+    if (streamed && (st = vvi_stream_init(&r->stream, n_at_once(r), r->n_steps, r->job)) == VV_OK) {
         r->about.bytes = r->stream.bytes;
+        r->about.working = 0;
+    } else
+        r->about.scratch = 0;
     r->about.streamed = streamed;
     return st;
 }
@@ -438,8 +442,8 @@ static void take_layers(vv_write_options *options, const vvi_layers *layers)
 static vv_status make_fields(vv_run *run)
 {
     vv_status st;
-    if ((st = vvi_memory_plan(run->job, run->about.bytes, run->name)) != VV_OK || (st = allow_repeats(run)) != VV_OK ||
-        (st = make_frames(run)) != VV_OK)
+    if ((st = vvi_memory_plan(run->job, run->about.bytes + run->about.working, run->name)) != VV_OK ||
+        (st = allow_repeats(run)) != VV_OK || (st = make_frames(run)) != VV_OK)
         return st;
     run->about.result = *vv_field_get_info(run->results[0]);
     return VV_OK;

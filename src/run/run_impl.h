@@ -32,6 +32,7 @@ struct vv_run {
     int64_t first_frame;
     vvi_layers layers; /* of the first input, in the place of time steps */
     vvi_stream stream;
+    bool whole;        /* a step takes all samples at once */
     int64_t n_results; /* time steps, or layers */
     vv_field **results;
 };
