@@ -19,6 +19,7 @@ struct vvi_lazy_pool {
     pthread_mutex_t lock; /* also held while a slab is made: neighbours that wait then find it */
     uint64_t most_bytes, least_bytes, clock;
     uint64_t slab_bytes; /* now, between the two */
+    bool alone;          /* there is room for one slab at a time */
     slab slabs[SLABS_KEPT];
 };
 
@@ -94,13 +95,19 @@ static void empty(slab *kept)
     *kept = (slab){0};
 }
 
-/* Half as many slices, and nothing kept; false: there are as few as may be, and it is for others to have less. */
+/* Nothing is kept, or half as many slices are made; false: there are as few as may be, and it is for others to have
+ * less. */
 static bool shrink(const lazy *s)
 {
     vvi_lazy_pool *pool = s->pool;
     const uint64_t half = (uint64_t)slab_slices(s) / 2 * slice_bytes(s);
-    for (int i = 0; i < SLABS_KEPT; i++)
+    bool kept = false;
+    for (int i = 0; i < SLABS_KEPT; i++) {
+        kept = kept || pool->slabs[i].field;
         empty(&pool->slabs[i]);
+    }
+    if (kept && pool->least_bytes == 0)
+        return pool->alone = true;
     const bool thinner = half > 0 && half >= pool->least_bytes;
     pool->slab_bytes = thinner ? half : pool->most_bytes;
     return thinner;
@@ -113,7 +120,9 @@ static vv_status make_slab(slab **out, const lazy *s, int64_t k, vv_job *job)
     for (int i = 1; i < SLABS_KEPT; i++)
         if (s->pool->slabs[i].used < oldest->used)
             oldest = &s->pool->slabs[i];
-    empty(oldest);
+    for (int i = 0; i < SLABS_KEPT; i++)
+        if (s->pool->alone || &s->pool->slabs[i] == oldest)
+            empty(&s->pool->slabs[i]);
     vvi_job_hush(job, 1);
     vv_status st;
     vv_box box;
