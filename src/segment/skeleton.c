@@ -387,7 +387,9 @@ static vv_status carry(vv_carry *carried, const vv_object *params)
 static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     const int64_t *n = inputs[0].grid.dims;
-    return (uint64_t)(n[0] * n[1] * n[2]) / 8;
+    const uint64_t voxels = (uint64_t)(n[0] * n[1] * n[2]);
+    return voxels / 8 +
+           voxels * 5 / 2; /* a bit of each, and places of those at borders: some sixth of them, in two lists */
 }
 
 const vv_operation vvi_operation_skeleton = {
