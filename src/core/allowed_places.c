@@ -70,6 +70,17 @@ vv_status vvi_runtime_distrust(vv_runtime *runtime, const char *folder)
     return VV_OK;
 }
 
+void vvi_runtime_distrust_all(vv_runtime *runtime)
+{
+    runtime->places.all_strange = true;
+}
+
+bool vvi_job_distrusts_all(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime && runtime->places.all_strange;
+}
+
 bool vvi_job_confined(const vv_job *job)
 {
     const vv_runtime *runtime = vv_job_runtime(job);
