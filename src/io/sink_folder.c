@@ -4,6 +4,7 @@
 #include "io/sink_folder.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/sink_impl.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -403,8 +404,10 @@ static vv_status put_in_place(vvi_sink_folder *f)
     vv_status st = check_target(f, &empty); /* much may have happened since it was opened */
     if (st != VV_OK)
         return st;
-    if (empty && rename(f->temporary, f->path) != 0)
-        return fail_writing(f, "renaming", f->temporary, errno);
+    if (!empty && vvi_job_keeps_existing(f->job))
+        return vvi_sink_fail_existing(f->name);
+    if (empty && vvi_sink_rename(f->temporary, f->path, f->job) != 0)
+        return errno == EEXIST ? vvi_sink_fail_existing(f->name) : fail_writing(f, "renaming", f->temporary, errno);
     if (!empty && renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_EXCHANGE) != 0)
         return errno == EINVAL || errno == ENOSYS ? replace_in_two_steps(f)
                                                   : fail_writing(f, "renaming", f->temporary, errno);

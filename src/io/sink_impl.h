@@ -25,6 +25,7 @@ struct vv_sink {
     uint8_t *coded;
     uint64_t written;
     bool failed, spares_inputs;
+    bool placed; /* it has its name */
     vv_sink *beside, *next;
     vvi_sink_folder *folder; /* NULL: it is a file */
     bool in_memory;
@@ -40,6 +41,10 @@ void vvi_sink_free(vv_sink *sink);
 vv_status vvi_sink_out(vv_sink *sink, const uint8_t *data, size_t n);
 /** A name beside the target that nobody has, for a new file or for one that has none. */
 vv_status vvi_sink_name_temporary(vv_sink *sink, mode_t mode);
+/** A file or folder becomes `path`; where the job keeps what exists, only if nothing is there. -1 with errno. */
+int vvi_sink_rename(const char *temporary, const char *path, const vv_job *job);
+/** VV_E_WRITE: it is there, and stays. */
+vv_status vvi_sink_fail_existing(const char *name);
 /** What a library wrote to a temporary file goes to the stream. */
 vv_status vvi_sink_copy_library(vv_sink *sink);
 #endif

@@ -126,6 +126,8 @@ static vv_status open_target(vv_sink *s, const char *path)
 {
     struct stat info;
     const bool there = strcmp(path, "-") != 0 && stat(path, &info) == 0;
+    if (there && vvi_job_keeps_existing(s->job))
+        return vvi_sink_fail_existing(path);
     if (there && S_ISDIR(info.st_mode))
         return vv_fail_at(VV_E_WRITE, path, NULL, "is a folder; name a file in it");
     if (there && !S_ISREG(info.st_mode) && vvi_job_confined(s->job)) /* nobody may read a pipe */

@@ -1,4 +1,5 @@
 /* Files that a page names: where they may be, and data of the World as such a file. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "run/made.h"
 #include "server/request.h"
@@ -39,12 +40,22 @@ vv_status vvi_request_take_place(vvi_request *r, const char *said, const char *p
     return st == VV_OK ? check_place(r->session, r->path) : st;
 }
 
-vv_status vvi_request_check_exists(vvi_request *r)
+vv_status vvi_request_keep_existing(vvi_request *r, vv_job *job)
 {
     struct stat info;
-    r->exists = !r->replace && lstat(r->path, &info) == 0;
+    if (r->replace)
+        return VV_OK;
+    vvi_job_keep_existing(job);
+    r->exists = lstat(r->path, &info) == 0;
     return r->exists ? vv_fail(VV_E_WRITE, "%s already exists, and is left as it is", strrchr(r->path, '/') + 1)
                      : VV_OK;
+}
+
+vv_status vvi_request_note_exists(vvi_request *r, vv_status st)
+{
+    struct stat info;
+    r->exists = st == VV_E_WRITE && !r->replace && lstat(r->path, &info) == 0;
+    return st;
 }
 
 void vvi_request_tell_path(vvi_request *r)
@@ -81,14 +92,14 @@ static vv_status run(vvi_task *task, vv_job *job)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->dataset);
     vv_status st = check_sources(r);
     if (st == VV_OK)
-        st = vvi_request_check_exists(r);
+        st = vvi_request_keep_existing(r, job);
     if (st == VV_OK)
         st = vvi_made_write(r->path, r->world, (const vv_dataset *)(const void *)dataset, job);
-    if (st == VV_OK) {
-        vvi_request_take_notes(r, job);
-        vvi_request_tell_path(r);
-    }
-    return st;
+    if (st != VV_OK)
+        return vvi_request_note_exists(r, st);
+    vvi_request_take_notes(r, job);
+    vvi_request_tell_path(r);
+    return VV_OK;
 }
 
 vv_status vvi_request_write(vvi_client *client, int64_t id, const json_t *message)

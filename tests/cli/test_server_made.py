@@ -1,4 +1,5 @@
 """Scenes with data that are made of others, in the page: parameters are edits, pictures follow, and nothing runs without bounds."""
+import asyncio
 import io
 import json
 import os
@@ -99,6 +100,20 @@ def test_operations_run_on_what_is_made():
         run(work())
     with open("made.nrrd", "rb") as made, open("truth.nrrd", "rb") as truth:
         assert made.read() == truth.read()
+
+
+def test_a_new_name_that_two_pages_want_at_once_is_that_of_one():
+    write_ball()
+    ok("pipe", "head.nrrd", "resample --size 128,128,128 --interpolation cubic", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as one, Page(server) as two:
+                dataset = next(name for name in datasets_of(one) if name != "head")
+                return [await asyncio.gather(*(page.answer("write", dataset=dataset, path=os.path.abspath(f"{i}.nrrd")) for page in (one, two)))
+                        for i in range(3)]
+        for i, answers in enumerate(run(work())):
+            won, lost = sorted(answers, key=lambda answer: not answer["ok"])
+            assert won["ok"] and lost.get("reason") == "exists" and f"{i}.nrrd already exists" in lost["error"].replace(":", ""), answers
 
 
 def test_a_step_that_is_switched_off_is_left_out():
