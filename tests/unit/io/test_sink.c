@@ -441,6 +441,22 @@ static void where_files_are_written_in_one_place_alone_nothing_leads_out(void **
     assert_int_equal(access(io_path(state, "outside/x"), F_OK), -1);
     assert_int_equal(access(io_path(state, "root/moved/x"), F_OK), 0);
     assert_int_equal(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job), VV_E_WRITE);
+    assert_int_equal(vvi_sink_open_folder(&sink, io_path(state, "root/sub/y"), owns_numbers, job), VV_E_WRITE);
+    /* a folder neither */
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(rename(moved, link), 0);
+    io_ok(vvi_sink_open_folder(&sink, io_path(state, "root/sub/y"), owns_numbers, job));
+    io_ok(vvi_sink_put(sink, "1", "x", 1));
+    assert_true(rename(link, moved) == 0 && symlink(outside, link) == 0);
+    io_ok(vvi_sink_commit(sink));
+    assert_int_equal(access(io_path(state, "outside/y"), F_OK), -1);
+    assert_int_equal(access(io_path(state, "root/moved/y/1"), F_OK), 0);
+    /* how it is held is nobody's concern */
+    vv_sink *beside;
+    io_ok(vvi_sink_open(&sink, io_path(state, "root/a"), job));
+    assert_int_equal(vvi_sink_beside(&beside, sink, "moved"), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "root/moved: is a folder"));
+    vvi_sink_abandon(sink);
     vv_job_release(job);
 }
 
