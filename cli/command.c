@@ -3,6 +3,7 @@
 #include "batch.h"
 #include "choices.h"
 #include "command_words.h"
+#include "core/job.h"
 #include "help.h"
 #include "io/source.h"
 #include "limit_words.h"
@@ -64,6 +65,8 @@ vv_status cli_command_start(cli_command *command)
     if ((st = vv_runtime_new(&command->runtime, &options)) != VV_OK ||
         (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
         return st;
+    if (command->keeps_existing)
+        vvi_job_keep_existing(command->job);
     cli_signals_watch(command->job);
     return command->watch ? cli_watch_begin(command->watch, command) : VV_OK;
 }

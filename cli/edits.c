@@ -1,5 +1,6 @@
 #include "edits.h"
 #include "choices.h"
+#include "core/allowed_places.h"
 #include "core/units.h"
 #include "model/context.h"
 #include "options.h"
@@ -273,10 +274,38 @@ typedef struct path_edit {
     const char *value;
 } path_edit;
 
+typedef struct named_file {
+    const char *property;
+    vv_runtime *runtime;
+    vv_status status;
+} named_file;
+
+static bool trust_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    named_file *named = user;
+    const char *file;
+    if (row->kind != VV_KIND_PATH || strcmp(path, named->property) != 0)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    char *real = file ? realpath(file, NULL) : NULL;
+    if (real)
+        named->status = vvi_runtime_trust(named->runtime, real);
+    free(real);
+    return false;
+}
+
+/* A file that is named here is named by who runs the program, not by a scene. */
 static vv_status set_one(void *user, const char *path)
 {
     const path_edit *edit = user;
-    return vv_model_set(edit->edits->model, NULL, path, word_of(edit->edits, path, edit->value));
+    const vv_status st = vv_model_set(edit->edits->model, NULL, path, word_of(edit->edits, path, edit->value));
+    if (st != VV_OK || !edit->edits->command->runtime)
+        return st;
+    named_file named = {path, edit->edits->command->runtime, VV_OK};
+    vv_world *world = vv_model_snapshot(edit->edits->model);
+    vv_path_each(&world->base, trust_file, &named);
+    vv_object_release(&world->base);
+    return named.status;
 }
 
 static vv_status edit_by_path(cli_edits *edits, const char *text)

@@ -361,6 +361,8 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
 char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
 bool vvi_files_is_scene(const char *path);
+/** Whether a folder of that name is a volume. By suffix: a folder of thousands of files is not opened file by file. */
+bool vvi_files_is_data_folder(const char *name, const vv_registry *registry);
 
 /* disk_room.c ---------------------------------------------------------------------------------------------------------
  */

@@ -1,4 +1,5 @@
 """Scenes with data that are made of others, in the page: parameters are edits, pictures follow, and nothing runs without bounds."""
+import asyncio
 import io
 import json
 import os
@@ -99,6 +100,40 @@ def test_operations_run_on_what_is_made():
         run(work())
     with open("made.nrrd", "rb") as made, open("truth.nrrd", "rb") as truth:
         assert made.read() == truth.read()
+
+
+def test_a_new_name_that_two_pages_want_at_once_is_that_of_one():
+    write_ball()
+    ok("pipe", "head.nrrd", "resample --size 128,128,128 --interpolation cubic", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as one, Page(server) as two:
+                dataset = next(name for name in datasets_of(one) if name != "head")
+                return [await asyncio.gather(*(page.answer("write", dataset=dataset, path=os.path.abspath(f"{i}.nrrd")) for page in (one, two)))
+                        for i in range(3)]
+        for i, answers in enumerate(run(work())):
+            won, lost = sorted(answers, key=lambda answer: not answer["ok"])
+            assert won["ok"] and lost.get("reason") == "exists" and f"{i}.nrrd already exists" in lost["error"].replace(":", ""), answers
+
+
+def test_a_folder_that_is_a_volume_has_no_place_for_other_files():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "z.ome.zarr")
+    ok("convert", "head.nrrd", "-o", "slices/%03d.png")
+    ok("convert", "head.nrrd", "-o", "other.ome.zarr")
+    with Server("z.ome.zarr", "slices") as server:
+        async def work():
+            async with Page(server) as page:
+                dataset = next(iter(datasets_of(page)))
+                for kind, path, said in (("write", "z.ome.zarr/x.nrrd", "is the folder of the dataset"), ("write", "slices/x.png", "is the folder of the dataset"),
+                                         ("write", "other.ome.zarr/0/x.nrrd", "other.ome.zarr' is a volume"), ("save", "z.ome.zarr/x", "is a volume, and no folder for")):
+                    members = {"dataset": dataset} if kind == "write" else {}
+                    says(await page.refused(kind, path=os.path.abspath(path), **members), said)
+                await page.ask("save", path=os.path.abspath("slices/x"))  # no data: the slices are what they were
+                await page.ask("write", dataset=dataset, path=os.path.abspath("new.ome.zarr"))
+        run(work())
+    ok("info", "new.ome.zarr")
+    assert not os.path.exists("z.ome.zarr/x.nrrd") and not os.path.exists("slices/x.png") and not os.path.exists("other.ome.zarr/0/x.nrrd")
 
 
 def test_a_step_that_is_switched_off_is_left_out():
