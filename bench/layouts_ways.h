@@ -1,7 +1,7 @@
 /* Layouts of a volume of bytes and ways to sample them, for layouts.c. */
 #ifndef BENCH_LAYOUTS_WAYS_H
 #define BENCH_LAYOUTS_WAYS_H
-#include "render/common/lattice_simd.h"
+#include "render/march/lattice_simd.h"
 #include <stdio.h>
 #include <stdlib.h>
 

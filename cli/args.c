@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { MAX_NAMES = 192 }; /* three classes of at most 64 rows */
 
@@ -219,12 +220,23 @@ void cli_args_free(cli_args *args)
     *args = (cli_args){0};
 }
 
+/* An end without a limit may be said, too. */
+static void leave_out(char end[64], bool is_hi)
+{
+    if (strcasecmp(end, is_hi ? "inf" : "-inf") == 0 || (is_hi && strcasecmp(end, "+inf") == 0))
+        *end = 0;
+}
+
 /* LO..HI; what is left out has no limit. */
 static vv_status apply_range(vv_object **object, const vv_property *row, const char *typed,
                              const vv_property_context *context)
 {
     char end[2][64];
     vv_status st = cli_value_split_range(end[0], end[1], typed) ? VV_OK : VV_E_ARGUMENT;
+    leave_out(end[0], false);
+    leave_out(end[1], true);
+    if (!*end[0] && !*end[1])
+        st = VV_E_ARGUMENT;
     for (int i = 0; i < 2 && st == VV_OK; i++)
         st = *end[i] ? vv_path_set(object, row[i].name, end[i], context) : vv_path_unset(object, row[i].name, context);
     if (st == VV_E_ARGUMENT)

@@ -65,7 +65,7 @@ static vv_status add_stem(vvi_text *out, const char *word)
     return VV_OK;
 }
 
-static vv_status make_output(char **out, const char *pattern, const char *word)
+vv_status cli_batch_name(char **out, const char *pattern, const char *word)
 {
     vvi_text text = {0};
     vv_status st = VV_OK;
@@ -115,17 +115,31 @@ static vv_status check_placeholders(const char *pattern, const cli_verb *verb)
     return st;
 }
 
+/* Each of several goes on from a file of its own. */
+static vv_status check_resume(const cli_args *args)
+{
+    for (size_t i = 0; i < args->n_given; i++)
+        if (!strcmp(args->given[i].row->name, "resume") && !strstr(args->given[i].text, mark))
+            return vv_fail(VV_E_ARGUMENT,
+                           "--resume %s: each of several pictures goes on from a file of its own; put {stem} into the "
+                           "name",
+                           args->given[i].text);
+    return VV_OK;
+}
+
 vv_status cli_batch_check(const cli_args *args, const cli_verb *verb)
 {
     const cli_given *output = output_of(args);
     const char *pattern = output ? output->text : "";
-    const vv_status checked = check_placeholders(pattern, verb);
+    vv_status checked = check_placeholders(pattern, verb);
     if (checked != VV_OK || cli_batch_count(args, verb) == 0)
+        return checked;
+    if ((checked = check_resume(args)) != VV_OK)
         return checked;
     char **outputs = calloc(args->n_words + 1, sizeof *outputs);
     vv_status st = outputs ? VV_OK : vv_fail_memory(args->n_words * sizeof *outputs);
     for (size_t i = 0; i < args->n_words && st == VV_OK; i++) {
-        st = is_shared(args, i) ? VV_OK : make_output(&outputs[i], pattern, args->words[i]);
+        st = is_shared(args, i) ? VV_OK : cli_batch_name(&outputs[i], pattern, args->words[i]);
         for (size_t j = 0; j < i && st == VV_OK && outputs[i]; j++)
             if (outputs[j] && strcmp(outputs[i], outputs[j]) == 0)
                 st = vv_fail(VV_E_ARGUMENT, "-o %s would be '%s' for both '%s' and '%s'", pattern, outputs[i],
@@ -166,7 +180,7 @@ vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
     size_t word = 0, n = 1;
     for (size_t left = index; left > 0 || is_shared(args, word); word++)
         left -= !is_shared(args, word);
-    const vv_status st = make_output(output_out, output->text, args->words[word]);
+    const vv_status st = cli_batch_name(output_out, output->text, args->words[word]);
     if (st != VV_OK)
         return st;
     output->text = *output_out;

@@ -104,7 +104,7 @@ static const char *enum_name(const vv_registry *registry, const char *path, size
     const vv_property_context context = vvi_registry_context(registry);
     const vv_property *row = NULL;
     const vv_class *cls;
-    if (cli_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || row->kind != VV_KIND_ENUM)
+    if (vv_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || row->kind != VV_KIND_ENUM)
         return NULL;
     for (size_t i = 0; row->names[i]; i++) {
         if (i == index)

@@ -3,6 +3,7 @@
 #include "batch.h"
 #include "choices.h"
 #include "command_words.h"
+#include "core/job.h"
 #include "help.h"
 #include "io/source.h"
 #include "limit_words.h"
@@ -64,6 +65,8 @@ vv_status cli_command_start(cli_command *command)
     if ((st = vv_runtime_new(&command->runtime, &options)) != VV_OK ||
         (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
         return st;
+    if (command->keeps_existing)
+        vvi_job_keep_existing(command->job);
     cli_signals_watch(command->job);
     return command->watch ? cli_watch_begin(command->watch, command) : VV_OK;
 }
@@ -316,18 +319,18 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
 static int run_each(int argc, char **argv, size_t n)
 {
     const bool json = asks_json(argc, argv);
-    int code = 0;
+    int code = 0, last = 0;
     if (json)
         puts("[");
     for (size_t i = 0; i < n && !cli_signals_came(); i++) {
         if (json && i)
             puts(",");
-        const int one = run_once(argc, argv, (long)i, NULL);
-        code = code ? code : one;
+        last = run_once(argc, argv, (long)i, NULL);
+        code = code ? code : last;
     }
     if (json)
         puts("]");
-    return cli_signals_came() ? CLI_EXIT_INTERRUPTED : code;
+    return !cli_signals_came() ? code : last == CLI_EXIT_RESUMABLE ? last : CLI_EXIT_INTERRUPTED;
 }
 
 typedef struct words {

@@ -23,6 +23,7 @@ enum {
     CLI_EXIT_OUTPUT = 5,
     CLI_EXIT_DIFFERS = 6,
     CLI_EXIT_PARTIAL = 7,
+    CLI_EXIT_RESUMABLE = 75,
     CLI_EXIT_INTERRUPTED = 130
 };
 
@@ -45,6 +46,7 @@ typedef struct cli_command {
     bool any_part;           /**< inputs are looked at, not used: of several parts none need be named */
     char *output;            /**< of one input among several, which -o names by {stem} */
     struct cli_watch *watch; /**< notes what is read; NULL: nobody watches */
+    bool keeps_existing;     /**< its output is a word, and --overwrite was not given */
     bool kept;               /**< it was interrupted, and what was whole is written */
     int exit_code;           /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;

@@ -68,6 +68,7 @@ vv_status cli_command_take_output(cli_command *command)
     if (!made && !command->common->overwrite && access(output, F_OK) == 0)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL,
                           "already exists; to replace it, give --overwrite or name it with -o");
+    command->keeps_existing = !made && !command->common->overwrite;
     vv_object *common = &command->common->base;
     const vv_status st = vv_path_set(&common, "output", output, NULL);
     command->common = (cli_common *)(void *)common;

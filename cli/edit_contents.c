@@ -61,8 +61,7 @@ static bool is_given(const cli_edits *edits, const char *option)
 {
     if (strcmp(option, "missing") == 0)
         return ((const cli_reading *)cli_command_options(edits->command, &cli_reading_class))->missing != NULL;
-    const vv_property *row = vv_class_find(&cli_look_class, option);
-    const char *text = *(const char *const *)(const void *)((const char *)edits->look + row->offset);
+    const char *text = cli_look_text(edits->look, option);
     return text && (strcmp(option, "method") != 0 || strcmp(text, "slice") == 0);
 }
 

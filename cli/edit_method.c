@@ -1,4 +1,4 @@
-/* --method, --mode, --iso, --step, and how much is spent on a picture. */
+/* --method and --mode. */
 #include "core/units.h"
 #include "edits.h"
 #include "measuring/world_data.h"
@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* The method that the view has now: its parameters are found under its name. */
 void cli_edit_method_of(char out[64], cli_edits *edits)
@@ -70,29 +69,6 @@ static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
     return st;
 }
 
-/* A limit that is 0 would be none, which has a word of its own. */
-static vv_status edit_limit(cli_edits *edits, const char *option, const char *typed, const char *example)
-{
-    char path[128];
-    char *json = NULL;
-    vv_status st;
-    if (!typed)
-        return VV_OK;
-    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, option);
-    if (strcasecmp(typed, "none") == 0)
-        return cli_edit_unset(edits, "%s", path);
-    if ((st = cli_edit_set(edits, option, typed, "%s", path)) != VV_OK)
-        return st;
-    vv_world *world = vv_model_snapshot(edits->model);
-    st = vv_path_get(&json, &world->base, path);
-    if (st == VV_OK && strcmp(json, "0") == 0)
-        st = vv_fail(VV_E_ARGUMENT, "--%s: '%s' would be no limit; expected more than 0, as in %s, or none", option,
-                     typed, example);
-    free(json);
-    vv_object_release(&world->base);
-    return st;
-}
-
 /* --method, or what --slice says of it. */
 static vv_status choose_method(cli_edits *edits)
 {
@@ -115,22 +91,14 @@ static vv_status choose_method(cli_edits *edits)
 vv_status cli_edit_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
-    const char *view = edits->view;
     char method[64];
-    vv_status st;
-    if ((st = choose_method(edits)) != VV_OK ||
-        (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "spp", o->spp, "views.%s.render.samples", view)) != VV_OK ||
-        (st = edit_limit(edits, "noise", o->noise, "1%")) != VV_OK ||
-        (st = edit_limit(edits, "budget", o->budget, "10s")) != VV_OK)
+    vv_status st = choose_method(edits);
+    if (st != VV_OK)
         return st;
     cli_edit_method_of(method, edits);
     const char *mode = o->mode ? o->mode : o->iso ? "isosurface" : NULL;
     const char *option = o->mode ? "mode" : "iso";
-    if ((st = cli_edit_set(edits, option, has_modes(edits, method) ? mode : NULL, "views.%s.render.%s.mode", view,
-                           method)) != VV_OK ||
-        (st = cli_edit_check_params(edits, method)) != VV_OK ||
-        (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
-        return st;
-    return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
+    st = cli_edit_set(edits, option, has_modes(edits, method) ? mode : NULL, "views.%s.render.%s.mode", edits->view,
+                      method);
+    return st == VV_OK ? cli_edit_check_params(edits, method) : st;
 }

@@ -1,4 +1,4 @@
-/* --tf, --range, --percentile, --threshold: what of the values is seen. */
+/* --tf, --range, --percentile, --threshold, --window: what of the values is seen. */
 #include "choices.h"
 #include "core/job.h"
 #include "core/units.h"
@@ -244,29 +244,45 @@ static vv_status edit_tf(cli_edits *edits, const char *typed, const char *id, co
 
 /* Ranges ---------------------------------------------------------------------------------------------------------- */
 
+/* "slices.window": its window_lo and window_hi. */
+static vv_status set_ends(cli_edits *edits, const char *option, const char *id, const char *property,
+                          const double range[2])
+{
+    char number[32];
+    vvi_print_number(number, range[0]);
+    const vv_status st = cli_edit_set(edits, option, number, "volumes.%s.%s_lo", id, property);
+    vvi_print_number(number, range[1]);
+    return st == VV_OK ? cli_edit_set(edits, option, number, "volumes.%s.%s_hi", id, property) : st;
+}
+
 static vv_status set_range(cli_edits *edits, const char *option, const char *id, const double range[2])
 {
-    char lo[32], hi[32];
-    vv_status st;
-    vvi_print_number(lo, range[0]);
-    vvi_print_number(hi, range[1]);
-    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.segmentation.transfer.range_lo", id)) != VV_OK ||
-        (st = cli_edit_set(edits, option, hi, "volumes.%s.segmentation.transfer.range_hi", id)) != VV_OK ||
-        !cli_edit_is_slice(edits))
-        return st;
-    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.slices.window_lo", id)) != VV_OK)
-        return st;
-    return cli_edit_set(edits, option, hi, "volumes.%s.slices.window_hi", id);
+    const vv_status st = set_ends(edits, option, id, "segmentation.transfer.range", range);
+    return st == VV_OK && cli_edit_is_slice(edits) ? set_ends(edits, option, id, "slices.window", range) : st;
+}
+
+/* Two rising numbers. */
+static bool read_rising(double out[2], const char *typed)
+{
+    return cli_value_numbers(out, 2, typed, false) == VV_OK && out[0] < out[1];
 }
 
 static vv_status edit_range(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double range[2];
-    const vv_status st = cli_value_numbers(range, 2, typed, false);
-    if (st != VV_OK || !(range[0] < range[1]))
-        return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO..HI, found '%s'", typed);
     (void)volume;
+    if (!read_rising(range, typed))
+        return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO..HI, found '%s'", typed);
     return set_range(edits, "range", id, range);
+}
+
+static vv_status edit_window(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
+{
+    double window[2];
+    (void)volume;
+    if (!read_rising(window, typed))
+        return vv_fail(VV_E_ARGUMENT, "--window: expected two rising values LO..HI, found '%s'", typed);
+    return set_ends(edits, "window", id, "slices.window", window);
 }
 
 /* Both percentiles are one value (most samples are the background): the other end is that of all samples then. */
@@ -339,11 +355,11 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
 static vv_status edit_percentile(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double range[2];
-    vv_status st = cli_value_numbers(range, 2, typed, false);
-    if (st != VV_OK || !(range[0] >= 0 && range[0] < range[1] && range[1] <= 100))
+    if (!read_rising(range, typed) || range[0] < 0 || range[1] > 100)
         return vv_fail(VV_E_ARGUMENT,
                        "--percentile: expected two rising numbers from 0 to 100, as in 1..99.8, found '%s'", typed);
-    if ((st = measure(range, edits, volume)) != VV_OK)
+    const vv_status st = measure(range, edits, volume);
+    if (st != VV_OK)
         return vv_fail_in(st, "--percentile");
     return set_range(edits, "percentile", id, range);
 }
@@ -365,6 +381,14 @@ static vv_status edit_threshold(cli_edits *edits, const char *typed, const char 
 
 vv_status cli_edit_transfer(cli_edits *edits)
 {
+    static const struct {
+        const char *option;
+        cli_edit_value_fn *edit;
+    } values[] = {{"window", edit_window},
+                  {"tf", edit_tf},
+                  {"range", edit_range},
+                  {"percentile", edit_percentile},
+                  {"threshold", edit_threshold}};
     const cli_look *o = edits->look;
     vv_status st = VV_OK;
     const char *other = o->range ? "range" : o->percentile ? "percentile" : o->opacity ? "opacity" : NULL;
@@ -384,13 +408,8 @@ vv_status cli_edit_transfer(cli_edits *edits)
         return cli_refused(
             edits->command, "tf,threshold",
             vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them"));
-    if (o->tf)
-        st = cli_edit_each(edits, "tf", edit_tf);
-    if (st == VV_OK && o->range)
-        st = cli_edit_each(edits, "range", edit_range);
-    if (st == VV_OK && o->percentile)
-        st = cli_edit_each(edits, "percentile", edit_percentile);
-    if (st == VV_OK && o->threshold)
-        st = cli_edit_each(edits, "threshold", edit_threshold);
+    for (size_t i = 0; i < sizeof values / sizeof *values && st == VV_OK; i++)
+        if (cli_look_text(o, values[i].option))
+            st = cli_edit_each(edits, values[i].option, values[i].edit);
     return st;
 }

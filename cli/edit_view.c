@@ -1,4 +1,4 @@
-/* --view, --size, --zoom and the exact cameras. */
+/* --view and --size. */
 #include "core/names.h"
 #include "edits.h"
 #include "refusal.h"
@@ -161,41 +161,6 @@ static vv_status edit_size(cli_edits *edits, const char *typed)
     return set_number(edits, "size", size[1], "height");
 }
 
-/* Lengths with units, "10mm,2cm,0" */
-static vv_status edit_point(cli_edits *edits, const char *option, const char *typed)
-{
-    vvi_text json = {0};
-    vv_status st = VV_OK;
-    if (!typed)
-        return VV_OK;
-    if ((st = cli_value_point(&json, option, typed)) == VV_OK)
-        st = cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
-    vvi_text_free(&json);
-    return st;
-}
-
-static vv_status edit_camera(cli_edits *edits)
-{
-    const cli_look *o = edits->look;
-    const struct {
-        const char *option, *value, *property;
-    } places[] = {
-        {"fov", o->fov ? "perspective" : NULL, "projection"},
-        {"fov", o->fov, "fov"},
-        {"parallel", o->parallel ? "parallel" : NULL, "projection"},
-        {"parallel", o->parallel, "height"},
-        {"zoom", o->zoom, "zoom"},
-    };
-    vv_status st;
-    if ((st = edit_point(edits, "eye", o->eye)) != VV_OK || (st = edit_point(edits, "at", o->at)) != VV_OK ||
-        (st = edit_point(edits, "up", o->up)) != VV_OK)
-        return st;
-    for (size_t i = 0; i < sizeof places / sizeof places[0] && st == VV_OK; i++)
-        st = cli_edit_set(edits, places[i].option, places[i].value, "views.%s.camera.%s", edits->view,
-                          places[i].property);
-    return st;
-}
-
 vv_status cli_edit_view(cli_edits *edits)
 {
     bool named;
@@ -213,7 +178,5 @@ vv_status cli_edit_view(cli_edits *edits)
                                    edits->look->view));
     if (edits->look->view && !named && (st = edit_direction(edits, edits->look->view)) != VV_OK)
         return st;
-    if (edits->look->size && (st = edit_size(edits, edits->look->size)) != VV_OK)
-        return st;
-    return edit_camera(edits);
+    return edits->look->size ? edit_size(edits, edits->look->size) : VV_OK;
 }

@@ -1,16 +1,19 @@
 #include "edits.h"
 #include "choices.h"
+#include "core/allowed_places.h"
 #include "core/units.h"
 #include "model/context.h"
 #include "options.h"
 #include "value.h"
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
-     .automatic = "raycast; surface for meshes; or what the scene says",
+     .automatic = "raycast; surface for meshes alone; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
     {VV_PROP(cli_look, apply), .kind = VV_KIND_STRING, .unit = "CHAIN", .automatic = "nothing: the data as they are",
      .doc = "operations on the data of the first input before they are shown, as in 'gaussian --sigma 1mm | threshold "
@@ -112,9 +115,21 @@ static const char *word_of(const cli_edits *edits, const char *path, const char 
     const vv_property_context context = vvi_registry_context(edits->command->registry);
     const vv_property *row = NULL;
     const vv_class *cls;
-    if (cli_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || !row || cls)
+    if (vv_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || !row || cls)
         return typed;
     return cli_choice_word(edits->command->registry, row, typed);
+}
+
+const char *cli_look_text(const cli_look *look, const char *option)
+{
+    const vv_property *row = vv_class_find(&cli_look_class, option);
+    return *(const char *const *)(const void *)((const char *)look + row->offset);
+}
+
+static vv_status set_path(cli_edits *edits, const char *option, const char *value, const char *path)
+{
+    const vv_status st = vv_model_set(edits->model, NULL, path, word_of(edits, path, value));
+    return st == VV_OK ? VV_OK : vv_fail_in(st, "--%s", option);
 }
 
 vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, const char *path_format, ...)
@@ -126,8 +141,7 @@ vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, 
     va_start(arguments, path_format);
     vsnprintf(path, sizeof path, path_format, arguments);
     va_end(arguments);
-    const vv_status st = vv_model_set(edits->model, NULL, path, word_of(edits, path, value));
-    return st == VV_OK ? VV_OK : vv_fail_in(st, "--%s", option);
+    return set_path(edits, option, value, path);
 }
 
 vv_status cli_edit_unset(cli_edits *edits, const char *path_format, ...)
@@ -158,25 +172,140 @@ static vv_status unshade(cli_edits *edits, const char *id, const vv_volume *volu
     return cli_edit_unset(edits, "volumes.%s.shading.model", id);
 }
 
-static vv_status edit_light(cli_edits *edits)
+static vv_status edit_shading(cli_edits *edits)
 {
-    vv_status st = cli_edit_set(edits, "background", edits->look->background, "background");
-    if (st != VV_OK || !edits->look->no_shading)
-        return st;
-    if ((st = cli_edit_set(edits, "no-shading", "none", "shading.model")) != VV_OK)
-        return st;
-    return cli_edit_volumes(edits, unshade);
+    if (!edits->look->no_shading)
+        return VV_OK;
+    const vv_status st = cli_edit_set(edits, "no-shading", "none", "shading.model");
+    return st == VV_OK ? cli_edit_volumes(edits, unshade) : st;
 }
+
+/* Options that are one property each ------------------------------------------------------------------------------ */
+
+/* How words become a value. */
+typedef enum form {
+    FORM_WORD,  /* as the property takes them */
+    FORM_POINT, /* lengths with units, "10mm,2cm,0" */
+    FORM_TEXT,  /* free text, which is never read as JSON */
+    FORM_LIMIT  /* more than 0, or none */
+} form;
+
+typedef struct one {
+    const char *option, *path; /* %1$s stands for the view, %2$s for its method */
+    form form;
+    const char *value;   /* what the property is whatever was typed; NULL: that */
+    const char *example; /* of a limit */
+} one;
+
+static const one ones[] = {
+    {"eye", "views.%1$s.camera.eye", FORM_POINT},
+    {"at", "views.%1$s.camera.at", FORM_POINT},
+    {"up", "views.%1$s.camera.up", FORM_POINT},
+    {"fov", "views.%1$s.camera.projection", .value = "perspective"},
+    {"fov", "views.%1$s.camera.fov"},
+    {"parallel", "views.%1$s.camera.projection", .value = "parallel"},
+    {"parallel", "views.%1$s.camera.height"},
+    {"zoom", "views.%1$s.camera.zoom"},
+    {"quality", "views.%1$s.render.quality"},
+    {"spp", "views.%1$s.render.samples"},
+    {"noise", "views.%1$s.render.noise", FORM_LIMIT, .example = "1%"},
+    {"budget", "views.%1$s.render.budget", FORM_LIMIT, .example = "10s"},
+    {"iso", "views.%1$s.render.%2$s.iso"},
+    {"step", "views.%1$s.render.%2$s.step"},
+    {"slice", "views.%1$s.render.slice.orientation"},
+    {"title", "views.%1$s.decorations.title", FORM_TEXT},
+    {"caption", "views.%1$s.decorations.caption", FORM_TEXT},
+    {"cross_hair", "cross_hair", FORM_POINT},
+    {"background", "background"},
+};
+
+/* A limit that is 0 would be none, which has a word of its own. */
+static vv_status check_limit(cli_edits *edits, const one *o, const char *typed, const char *path)
+{
+    char *json = NULL;
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_status st = vv_path_get(&json, &world->base, path);
+    if (st == VV_OK && strcmp(json, "0") == 0)
+        st = vv_fail(VV_E_ARGUMENT, "--%s: '%s' would be no limit; expected more than 0, as in %s, or none", o->option,
+                     typed, o->example);
+    free(json);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status edit_one(cli_edits *edits, const one *o, const char *typed, const char *method)
+{
+    char path[256], option[64];
+    vvi_text json = {0};
+    vv_status st = VV_OK;
+    snprintf(path, sizeof path, o->path, edits->view, method);
+    cli_option_name(option, vv_class_find(&cli_look_class, o->option));
+    if (o->form == FORM_LIMIT && strcasecmp(typed, "none") == 0)
+        return vv_model_unset(edits->model, NULL, path);
+    if (o->form == FORM_POINT)
+        st = cli_value_point(&json, option, typed);
+    else if (o->form == FORM_TEXT)
+        vvi_text_json(&json, typed);
+    if (st == VV_OK && json.bad)
+        st = vv_fail_memory(json.n);
+    if (st == VV_OK)
+        st = set_path(edits, option, o->value ? o->value : json.n ? json.s : typed, path);
+    vvi_text_free(&json);
+    return st == VV_OK && o->form == FORM_LIMIT ? check_limit(edits, o, typed, path) : st;
+}
+
+static vv_status edit_ones(cli_edits *edits)
+{
+    char method[64];
+    vv_status st = VV_OK;
+    cli_edit_method_of(method, edits);
+    for (size_t i = 0; i < sizeof ones / sizeof *ones && st == VV_OK; i++) {
+        const char *typed = cli_look_text(edits->look, ones[i].option);
+        if (typed)
+            st = edit_one(edits, &ones[i], typed, method);
+    }
+    return st;
+}
+
+/* Paths ----------------------------------------------------------------------------------------------------------- */
 
 typedef struct path_edit {
     cli_edits *edits;
     const char *value;
 } path_edit;
 
+typedef struct named_file {
+    const char *property;
+    vv_runtime *runtime;
+    vv_status status;
+} named_file;
+
+static bool trust_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    named_file *named = user;
+    const char *file;
+    if (row->kind != VV_KIND_PATH || strcmp(path, named->property) != 0)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    char *real = file ? realpath(file, NULL) : NULL;
+    if (real)
+        named->status = vvi_runtime_trust(named->runtime, real);
+    free(real);
+    return false;
+}
+
+/* A file that is named here is named by who runs the program, not by a scene. */
 static vv_status set_one(void *user, const char *path)
 {
     const path_edit *edit = user;
-    return vv_model_set(edit->edits->model, NULL, path, word_of(edit->edits, path, edit->value));
+    const vv_status st = vv_model_set(edit->edits->model, NULL, path, word_of(edit->edits, path, edit->value));
+    if (st != VV_OK || !edit->edits->command->runtime)
+        return st;
+    named_file named = {path, edit->edits->command->runtime, VV_OK};
+    vv_world *world = vv_model_snapshot(edit->edits->model);
+    vv_path_each(&world->base, trust_file, &named);
+    vv_object_release(&world->base);
+    return named.status;
 }
 
 static vv_status edit_by_path(cli_edits *edits, const char *text)
@@ -189,7 +318,7 @@ static vv_status edit_by_path(cli_edits *edits, const char *text)
     memcpy(path, text, n);
     path[n] = 0;
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_status st = cli_path_each(&world->base, path, set_one, &(path_edit){edits, equals + 1});
+    const vv_status st = vv_path_expand(&world->base, path, set_one, &(path_edit){edits, equals + 1});
     vv_object_release(&world->base);
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
 }
@@ -205,13 +334,12 @@ vv_status cli_edit_paths(cli_edits *edits)
 
 vv_status cli_edits_apply(cli_edits *edits)
 {
-    vv_status st;
-    if ((st = cli_edit_view(edits)) != VV_OK || (st = cli_edit_method(edits)) != VV_OK ||
-        (st = cli_edit_slices(edits)) != VV_OK || (st = cli_edit_channels(edits)) != VV_OK ||
-        (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
-        (st = cli_edit_colors(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
-        (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK ||
-        (st = cli_edit_check_aspects(edits)) != VV_OK)
-        return st;
-    return cli_edit_paths(edits);
+    typedef vv_status step(cli_edits * edits);
+    static step *const steps[] = {cli_edit_view,     cli_edit_method,        cli_edit_switches, edit_ones,
+                                  cli_edit_channels, edit_shading,           cli_edit_transfer, cli_edit_colors,
+                                  cli_edit_clip,     cli_edit_check_aspects, cli_edit_paths};
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < sizeof steps / sizeof *steps && st == VV_OK; i++)
+        st = steps[i](edits);
+    return st;
 }

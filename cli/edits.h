@@ -21,6 +21,9 @@ typedef struct cli_look {
 } cli_look;
 extern const vv_class cli_look_class;
 
+/** What was typed for an option with a value, by the name of its row; NULL: nothing. */
+const char *cli_look_text(const cli_look *look, const char *option);
+
 /** One World being edited. */
 typedef struct cli_edits {
     cli_command *command;
@@ -70,7 +73,7 @@ bool cli_edit_given_between(const cli_args *args, size_t n_inputs);
 bool cli_edit_is_slice(cli_edits *edits);
 vv_status cli_edit_colors(cli_edits *edits); /* --color, --opacity */
 
-vv_status cli_edit_method(cli_edits *edits); /* --method, --mode, --iso, --step, --spp, --noise, --budget */
+vv_status cli_edit_method(cli_edits *edits); /* --method, --mode */
 /** The method that the view has now: its parameters are found under its name. */
 void cli_edit_method_of(char out[64], cli_edits *edits);
 /** Options that are parameters of methods: refused where the view's method, or its mode, has no use for them. */
@@ -81,19 +84,15 @@ vv_status cli_edit_check_aspects(cli_edits *edits);
 bool cli_edit_heeds(cli_edits *edits, const vv_world *world, vv_aspect aspect);
 /** The same of what is seen, whatever the method: --range of labels, --iso of meshes. */
 vv_status cli_edit_check_contents(cli_edits *edits, const vv_world *world);
-vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
-vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
+vv_status cli_edit_view(cli_edits *edits);     /* --view, --size */
+vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold, --window */
 vv_status cli_edit_channels(cli_edits *edits);
-vv_status cli_edit_clip(cli_edits *edits);        /* --clip */
-vv_status cli_edit_paths(cli_edits *edits);       /* --set */
-vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
-vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
-vv_status cli_edit_slices(cli_edits *edits);      /* --slice, --window, --cross-hair */
+vv_status cli_edit_clip(cli_edits *edits);     /* --clip */
+vv_status cli_edit_switches(cli_edits *edits); /* --aov, --decorate */
+vv_status cli_edit_paths(cli_edits *edits);    /* --set */
 /** "front", "back", ... by number: what --view takes beside angles; NULL past the last. */
 const char *cli_direction_name(size_t index);
-/** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */
-const char *cli_decoration_name(size_t index);
-/** As they are typed, "scale-bar", and after them "all" and "none"; NULL past the last. */
+/** "cube", "scale-bar", ... by number: what --decorate takes, and after them "all" and "none"; NULL past the last. */
 const char *cli_decoration_word(size_t index);
 /** The layers that a view asks for: vv_layer. */
 unsigned cli_layers_of(const vv_view *view);

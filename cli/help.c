@@ -63,6 +63,7 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
     vvi_text_add(out, "\n");
     if (verb->about)
         add_paragraph(out, verb->about);
+    cli_usage_inputs(out, verb, "\nInputs\n", cli_help_entry);
     const char *last = NULL;
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
@@ -104,7 +105,7 @@ void cli_help_overview(vvi_text *out, const vv_registry *registry)
     add_paragraph(out,
                   "Exit codes: 0 done, 1 could not be done, 2 the command line is wrong, 3 an input cannot be read, 4 "
                   "the memory limit would be exceeded, 5 the output cannot be written, 6 a comparison differs, 7 "
-                  "done in part, 130 interrupted.");
+                  "done in part, 75 stopped and to be gone on with, 130 interrupted.");
 }
 
 static void add_one_property(vvi_text *out, const char *path, const vv_property *row)
@@ -130,7 +131,7 @@ vv_status cli_help_path(vvi_text *out, const char *path, const vv_registry *regi
     const vv_property *row;
     const vv_class *cls;
     vv_status st;
-    if ((st = cli_path_row(&row, &cls, &vv_world_class, path, &context)) != VV_OK)
+    if ((st = vv_path_row(&row, &cls, &vv_world_class, path, &context)) != VV_OK)
         return st;
     if (!cls) {
         add_one_property(out, path, row);

@@ -1,4 +1,5 @@
 #include "histogram.h"
+#include "grid/info_text.h"
 #include "terminal.h"
 #include "value.h"
 #include <math.h>
@@ -37,23 +38,11 @@ void cli_histogram_text(vvi_text *out, const vv_statistics *s, bool logarithmic)
             logarithmic ? log1p((double)counts[b]) / log1p((double)most) : (double)counts[b] / (double)most;
         const int length = (int)lround(width * share);
         char from[32], to[32];
-        cli_value_print(from, lo, s->min, s->max);
-        cli_value_print(to, hi, s->min, s->max);
+        vvi_value_print(from, lo, s->min, s->max);
+        vvi_value_print(to, hi, s->min, s->max);
         vvi_text_printf(out, "  %10s .. %-10s %6.2f %% ", from, to, 100.0 * (double)counts[b] / (double)s->count);
         for (int i = 0; i < length; i++)
             vvi_text_add(out, "#");
         vvi_text_add(out, "\n");
     }
-}
-
-void cli_histogram_json(vvi_result *json, const vv_statistics *s)
-{
-    double counts[1024];
-    for (int i = 0; i < s->n_bins; i++)
-        counts[i] = (double)s->histogram[i];
-    vvi_result_open(json, "histogram", '{');
-    vvi_result_number(json, "lo", s->histogram_lo);
-    vvi_result_number(json, "hi", s->histogram_hi);
-    vvi_result_numbers(json, "counts", counts, (size_t)s->n_bins);
-    vvi_result_close(json, '}');
 }

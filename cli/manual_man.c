@@ -28,6 +28,15 @@ static void add_heading(vvi_text *out, const char *name, const char *doc)
     vvi_text_add(out, "\n");
 }
 
+static void add_entry(vvi_text *out, const char *left, const char *right)
+{
+    vvi_text_add(out, ".TP\n.B ");
+    add(out, left);
+    vvi_text_add(out, "\n");
+    add(out, right);
+    vvi_text_add(out, "\n");
+}
+
 /* title NULL: it goes on under the last one. */
 static void add_class(vvi_text *out, const char *title, const vv_class *cls)
 {
@@ -39,11 +48,7 @@ static void add_class(vvi_text *out, const char *title, const vv_class *cls)
             continue;
         cli_usage_option(&left, row);
         cli_usage_option_doc(&right, row);
-        vvi_text_add(out, ".TP\n.B ");
-        add(out, left.bad ? "" : left.s);
-        vvi_text_add(out, "\n");
-        add(out, right.bad ? "" : right.s);
-        vvi_text_add(out, "\n");
+        add_entry(out, left.bad ? "" : left.s, right.bad ? "" : right.s);
         vvi_text_free(&left);
         vvi_text_free(&right);
     }
@@ -60,6 +65,7 @@ static void add_exit_codes(vvi_text *out)
         {"5", "the output cannot be written"},
         {"6", "a comparison differs"},
         {"7", "done in part: an input is damaged, and a warning names what is missing"},
+        {"75", "stopped, and the same command goes on from where it was"},
         {"130", "interrupted: whatever was complete is kept"},
     };
     vvi_text_add(out, ".SH EXIT STATUS\n");
@@ -91,6 +97,7 @@ void cli_manual_verb(vvi_text *out, const cli_verb *verb)
         add(out, verb->about);
         vvi_text_add(out, "\n");
     }
+    cli_usage_inputs(out, verb, ".SH INPUTS\n", add_entry);
     const char *last = NULL;
     for (size_t i = 0; (cls = cli_usage_shown(verb, i)); i++) {
         const char *title = title_of(cls);

@@ -17,6 +17,15 @@ static void add_cell(vvi_text *out, const char *s)
     }
 }
 
+static void add_entry(vvi_text *out, const char *left, const char *right)
+{
+    vvi_text_add(out, "| `");
+    add_cell(out, left);
+    vvi_text_add(out, "` | ");
+    add_cell(out, right);
+    vvi_text_add(out, " |\n");
+}
+
 static void add_row(vvi_text *out, const char *left, const vv_property *row, bool option)
 {
     vvi_text right = {0};
@@ -24,11 +33,7 @@ static void add_row(vvi_text *out, const char *left, const vv_property *row, boo
         cli_usage_option_doc(&right, row);
     else
         cli_usage_doc(&right, row);
-    vvi_text_add(out, "| `");
-    add_cell(out, left);
-    vvi_text_add(out, "` | ");
-    add_cell(out, right.bad ? "" : right.s);
-    vvi_text_add(out, " |\n");
+    add_entry(out, left, right.bad ? "" : right.s);
     vvi_text_free(&right);
 }
 
@@ -52,6 +57,7 @@ static void add_verb(vvi_text *out, const cli_verb *verb)
     vvi_text_printf(out, "\n### volvis %s\n\n%s.\n\n    %s\n", verb->name, verb->doc, usage.bad ? "" : usage.s);
     if (verb->about)
         vvi_text_printf(out, "\n%s\n", verb->about);
+    cli_usage_inputs(out, verb, "\nInputs:\n\n| input | meaning |\n| --- | --- |\n", add_entry);
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
         const char *title = cli_is_reading(cls) ? "Reading:" : cls == &cli_writing_class ? "Writing:" : "Options:";

@@ -61,12 +61,13 @@ static vv_status check_options(const cli_command *command, const cli_question *q
 {
     for (size_t i = 0; i < command->args.n_given; i++) {
         const cli_given *given = &command->args.given[i];
-        const char *property = given->row->name;
+        const bool of_region = given->cls == &vvi_measured_region_class;
+        const char *property = of_region ? "region" : given->row->name;
         char option[64];
         /* places on a mesh are in the world anyway */
         const bool is_so = strcmp(property, "space") == 0 && q->asked->space == VV_MEASURE_IN_WORLD &&
                            vvi_measure_has_word(uses, "points");
-        if ((given->cls != &vvi_measurement_class && given->cls != &cli_measure_class) || is_so ||
+        if ((given->cls != &vvi_measurement_class && given->cls != &cli_measure_class && !of_region) || is_so ||
             is_about_result(property, q->kind) || vvi_measure_has_word(uses, property))
             continue;
         cli_option_name(option, given->row);
@@ -146,7 +147,7 @@ vv_status cli_measure_plan(cli_command *command, const cli_question *q)
     snprintf(about, sizeof about, "%s", name_of(is, 0));
     const vv_status st = is == VV_MEASURED_VOLUME ? cli_input_open(&input, command, file) : VV_OK;
     if (st == VV_OK && input.file)
-        cli_describe_info(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
+        vvi_samples_print(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
     cli_input_close(&input);
     if (st != VV_OK)
         return st;

@@ -6,6 +6,7 @@
 #include "label_names.h"
 #include "measure.h"
 #include "model/classes.h"
+#include "refusal.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -105,6 +106,17 @@ const char *cli_measure_typed(const cli_command *command, const char *property)
     return typed;
 }
 
+/* What is typed of the region; what says nothing of its kind is refused. */
+static vv_status take_region(vv_object **asked, const cli_command *command)
+{
+    vv_object *region = NULL;
+    vv_status st = cli_args_object(&region, &command->args, &vvi_measured_region_class, NULL);
+    if (st == VV_OK && (st = cli_refuse_idle(command, region, "")) == VV_OK)
+        st = vv_path_put(asked, "region", region, NULL);
+    vv_object_release(region);
+    return st;
+}
+
 vv_status cli_measure_take(vv_measurement **out, const cli_command *command, const vv_measure_kind *kind)
 {
     vv_object *asked = NULL;
@@ -118,6 +130,8 @@ vv_status cli_measure_take(vv_measurement **out, const cli_command *command, con
             own.given[own.n_given++] = command->args.given[i];
     vv_status st = cli_args_object(&asked, &own, &vvi_measurement_class, NULL);
     free(own.given);
+    if (st == VV_OK)
+        st = take_region(&asked, command);
     if (st == VV_OK && kind)
         st = vv_path_set(&asked, "what", kind->name, NULL);
     *out = (vv_measurement *)(void *)asked;

@@ -1,17 +1,17 @@
 #include "mesh.h"
 #include "core/units.h"
+#include "grid/info_text.h"
 #include "grid/mesh.h"
 #include "input.h"
 #include "io/format.h"
 #include "io/mesh_file.h"
+#include "measure.h"
 #include "output.h"
 #include "refusal.h"
-#include "value.h"
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <volvis/measure_mesh.h>
+#include <volvis/about.h>
 
 bool cli_mesh_is_output(const cli_command *command, const char *output, const char *format)
 {
@@ -179,28 +179,6 @@ vv_status cli_mesh_read(vv_mesh **out, cli_command *command, const char *word, c
 
 /* Telling --------------------------------------------------------------------------------------------------------- */
 
-static void describe(char out[128], const vv_mesh_info *m)
-{
-    snprintf(out, 128, "%zu %s, %zu triangle%s%s%s%s", m->n_vertices, m->n_vertices == 1 ? "vertex" : "vertices",
-             m->n_triangles, m->n_triangles == 1 ? "" : "s", m->normals ? ", normals" : "", m->values ? ", values" : "",
-             m->colors ? ", colours" : "");
-}
-
-static void json_parts(vvi_result *json, const vv_mesh_info *m)
-{
-    vvi_result_open(json, "parts", '[');
-    for (size_t i = 0; i < m->n_parts; i++) {
-        const vv_mesh_part *part = &m->parts[i];
-        vvi_result_open(json, NULL, '{');
-        vvi_result_string(json, "name", part->name);
-        vvi_result_unsigned(json, "triangles", part->n_triangles);
-        if (part->color.a >= 0)
-            vvi_result_numbers(json, "color", &part->color.r, 4);
-        vvi_result_close(json, '}');
-    }
-    vvi_result_close(json, ']');
-}
-
 static void json_notes(vvi_result *json, const vv_notes *notes)
 {
     const char *key, *value;
@@ -218,139 +196,20 @@ static void json_notes(vvi_result *json, const vv_notes *notes)
     vvi_result_close(json, ']');
 }
 
-static bool has_area(const vv_mesh_info *m, const vv_mesh_topology *t)
-{
-    return m->n_triangles > t->n_degenerate;
-}
-
-static void json_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,
-                      const vv_mesh_measures *measures)
-{
-    const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
-    vvi_result *json = &command->json;
-    vvi_result_string(json, "file", path);
-    vvi_result_string(json, "format", in->format->name);
-    vvi_result_unsigned(json, "vertices", m->n_vertices);
-    vvi_result_unsigned(json, "triangles", m->n_triangles);
-    vvi_result_bool(json, "normals", m->normals != NULL);
-    vvi_result_bool(json, "values", m->values != NULL);
-    vvi_result_bool(json, "colors", m->colors != NULL);
-    vvi_result_string(json, "value_name", m->value_name);
-    vvi_result_string(json, "value_unit", m->value_unit);
-    json_parts(json, m);
-    vvi_result_numbers(json, "lo", &measures->bounds.lo.x, 3);
-    vvi_result_numbers(json, "hi", &measures->bounds.hi.x, 3);
-    vvi_result_string(json, "unit", m->unit);
-    vvi_result_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
-    vvi_result_bool(json, "closed", has_area(m, t) && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
-    vvi_result_unsigned(json, "edges", t->n_edges);
-    vvi_result_unsigned(json, "open_edges", t->n_open_edges);
-    vvi_result_unsigned(json, "crowded_edges", t->n_crowded_edges);
-    vvi_result_unsigned(json, "turned_edges", t->n_turned_edges);
-    vvi_result_unsigned(json, "degenerate_triangles", t->n_degenerate);
-    vvi_result_unsigned(json, "unused_vertices", t->n_unused);
-    vvi_result_unsigned(json, "pieces", t->n_pieces);
-    vvi_result_number(json, "area", measures->area.value);
-    vvi_result_number(json, "volume", measures->volume.value);
-    vvi_result_bool(json, "inside_out", measures->inside_out);
-    json_notes(json, in->notes);
-}
-
-static void text_parts(cli_command *command, const vv_mesh_info *m)
-{
-    enum { SHOWN = 20 };
-    for (size_t i = 0; i < m->n_parts && i < SHOWN; i++)
-        cli_command_line(command, i ? "" : "parts", "%s: %zu %s", m->parts[i].name[0] ? m->parts[i].name : "(no name)",
-                         m->parts[i].n_triangles, cli_plural(m->parts[i].n_triangles, "triangle", "triangles"));
-    if (m->n_parts > SHOWN)
-        cli_command_line(command, "", "and %zu more (--json lists them)", m->n_parts - SHOWN);
-}
-
-/* Vertices of a seam are two at one place: the edges there are open, and yet nothing gapes. */
-static void text_closed(cli_command *command, const vv_mesh_topology *t, bool has_area, bool no_gap)
-{
-    const char *ending = t->n_pieces == 1 ? "" : "s";
-    if (!has_area)
-        cli_command_line(command, "closed", "no: there is no triangle that has an area");
-    else if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0)
-        cli_command_line(command, "closed", "yes: every edge joins two triangles; %zu piece%s", t->n_pieces, ending);
-    else if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges == 0)
-        cli_command_line(command, "closed",
-                         "no: there are no holes, but triangles that face the wrong way; %zu piece%s", t->n_pieces,
-                         ending);
-    else if (no_gap && t->n_open_edges == 0)
-        cli_command_line(command, "closed", "yes, without a gap, but it touches itself; %zu piece%s", t->n_pieces,
-                         ending);
-    else if (no_gap)
-        cli_command_line(command, "closed",
-                         "yes, without a gap, but in %zu piece%s that share no vertices: %zu edges lie along seams",
-                         t->n_pieces, ending, t->n_open_edges);
-    else if (t->n_open_edges == 0)
-        cli_command_line(command, "closed", "no: %zu edge%s of three or more triangles; %zu piece%s",
-                         t->n_crowded_edges, t->n_crowded_edges == 1 ? "" : "s", t->n_pieces, ending);
-    else
-        cli_command_line(command, "closed", "no: %zu edge%s of one triangle only, at holes or rims; %zu piece%s",
-                         t->n_open_edges, t->n_open_edges == 1 ? "" : "s", t->n_pieces, ending);
-}
-
-static void text_topology(cli_command *command, const vv_mesh_topology *t, bool has_area, bool no_gap)
-{
-    text_closed(command, t, has_area, no_gap);
-    if (t->n_crowded_edges > 0)
-        cli_command_line(command, "crowded",
-                         "%zu %s where three or more triangles meet: the surface branches or "
-                         "touches itself there",
-                         t->n_crowded_edges, cli_plural(t->n_crowded_edges, "edge", "edges"));
-    if (t->n_turned_edges > 0)
-        cli_command_line(command, "turned", "%zu %s between neighbours of which one shows its outside, one its inside",
-                         t->n_turned_edges, cli_plural(t->n_turned_edges, "edge", "edges"));
-    if (t->n_degenerate > 0)
-        cli_command_line(command, "degenerate", "%zu %s without area", t->n_degenerate,
-                         cli_plural(t->n_degenerate, "triangle", "triangles"));
-    if (t->n_unused > 0)
-        cli_command_line(command, "unused", "%zu %s of no triangle", t->n_unused,
-                         cli_plural(t->n_unused, "vertex", "vertices"));
-}
-
-static void text_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,
-                      const vv_mesh_measures *measures)
-{
-    const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
-    const vv_vec3 lo = measures->bounds.lo, hi = measures->bounds.hi;
-    char about[128];
-    describe(about, m);
-    cli_command_title(command, path);
-    cli_command_line(command, "format", "%s", in->format->name);
-    cli_command_line(command, "mesh", "%s", about);
-    if (m->values && m->value_name[0])
-        cli_command_line(command, "values", "%s %s", m->value_name, m->value_unit);
-    text_parts(command, m);
-    if (m->n_vertices > 0) {
-        cli_command_line(command, "bounds", "%g .. %g, %g .. %g, %g .. %g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
-                         m->unit);
-        cli_command_line(command, "size", "%g x %g x %g %s", hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, m->unit);
-    }
-    text_topology(command, t, has_area(m, t), measures->closed);
-    cli_command_line(command, "area", "%g %s", measures->area.value, measures->area.unit);
-    if (!isnan(measures->volume.value))
-        cli_command_line(command, "volume", "%g %s%s", measures->volume.value, measures->volume.unit,
-                         measures->inside_out ? " (its triangles face inwards)" : "");
-}
-
 vv_status cli_mesh_info(cli_command *command, const char *path, const char *input_unit)
 {
     mesh_input in = {0};
-    vv_mesh_topology topology;
-    vv_mesh_measures measures;
-    vv_mesh_measure_options options;
-    vv_mesh_measure_options_init(&options, sizeof options);
-    options.open = true;
+    vv_answer *answer = NULL;
     vv_status st = read_mesh(&in, command, path, input_unit);
-    if (st == VV_OK && (st = vv_mesh_count_topology(&topology, in.mesh, command->job)) == VV_OK &&
-        (st = vv_mesh_measure(&measures, in.mesh, &options, command->job)) == VV_OK) {
-        json_mesh(command, path, &in, &topology, &measures);
-        text_mesh(command, path, &in, &topology, &measures);
+    if (st == VV_OK && (st = vv_about_mesh(&answer, in.mesh, command->job)) == VV_OK) {
+        cli_command_title(command, path);
+        vvi_result_string(&command->json, "file", path);
+        vvi_result_string(&command->json, "format", in.format->name);
+        cli_command_line(command, "format", "%s", in.format->name);
+        cli_answer_print(command, answer, false, false);
+        json_notes(&command->json, in.notes);
     }
+    vv_answer_release(answer);
     finish(&in);
     return st;
 }
@@ -384,8 +243,8 @@ static vv_status check_mesh_output(const cli_command *command, const char *path,
 static void report(cli_command *command, const char *output, const mesh_input *in, double write_s)
 {
     const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
-    char about[128];
-    describe(about, m);
+    char about[VVI_MESH_TEXT];
+    vvi_mesh_print(about, m);
     vvi_result_string(&command->json, "output", output);
     vvi_result_unsigned(&command->json, "vertices", m->n_vertices);
     vvi_result_unsigned(&command->json, "triangles", m->n_triangles);

@@ -221,7 +221,7 @@ static vv_status tell_inputs(pipeline *p, uint64_t *bytes)
         uint64_t samples = 0;
         char about[128] = "a mesh";
         if (file) {
-            cli_describe_info(about, vv_file_info(file), vv_file_info(file)->n_frames);
+            vvi_samples_print(about, vv_file_info(file), vv_file_info(file)->n_frames);
             st = vv_field_info_bytes(&samples, vv_file_info(file));
         }
         cli_command_line(p->command, "reads", "%s: %s", cli_command_word(p->command, i), about);

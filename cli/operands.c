@@ -22,6 +22,25 @@ const char *cli_operands_usage(const vv_operation *operation)
     return vv_operation_most(operation) > 1 ? "INPUT..." : "INPUT";
 }
 
+void cli_operand_usage(vvi_text *out, const vv_operation *operation, const vv_operand *operand)
+{
+    if (operand != operation->inputs)
+        vvi_text_printf(out, "%s=FILE", operand->name);
+    else
+        vvi_text_printf(out, "%sINPUT%s", operand->names ? "[NAME=]" : "", operand->most > 1 ? "..." : "");
+}
+
+void cli_operands_line(vvi_text *out, const vv_operation *operation)
+{
+    if (positional_of(operation->params))
+        vvi_text_add(out, " FORMULA");
+    for (const vv_operand *o = operation->inputs; o->name; o++) {
+        vvi_text_add(out, o->least > 0 ? " " : " [");
+        cli_operand_usage(out, operation, o);
+        vvi_text_add(out, o->least > 0 ? "" : "]");
+    }
+}
+
 static bool is_given(const cli_args *args, const vv_property *row)
 {
     for (size_t i = 0; i < args->n_given; i++)

@@ -10,17 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames)
-{
-    char components[32] = "", frames[40] = "";
-    if (info->components > 1)
-        snprintf(components, sizeof components, ", %d channels", info->components);
-    if (n_frames > 1)
-        snprintf(frames, sizeof frames, ", %" PRId64 " time steps", n_frames);
-    snprintf(out, 128, "%" PRId64 " x %" PRId64 " x %" PRId64 " %s%s%s", info->grid.dims[0], info->grid.dims[1],
-             info->grid.dims[2], vv_type_name(info->type), components, frames);
-}
-
 static void report_info(cli_command *command, const char *output, const vv_field_info *info, const vv_run_about *run)
 {
     vvi_result *json = &command->json;
@@ -38,9 +27,9 @@ static void report(cli_command *command, const char *output, const vv_run_about 
 {
     char about[128], scaled[96] = "";
     const vv_field_info *info = &run->result;
-    cli_describe_info(about, &run->written, run->n_frames);
+    vvi_samples_print(about, &run->written, run->n_frames);
     if (vvi_has_scale(info) && !vvi_has_scale(&run->written))
-        cli_value_scaled(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
+        vvi_scaled_print(scaled, vv_type_name(info->type), info->value_scale, info->value_offset);
     report_info(command, output, &run->written, run);
     vvi_result_number(&command->json, "load_s", run->load_s);
     vvi_result_number(&command->json, "run_s", run->run_s);
@@ -75,32 +64,41 @@ static void report_time(cli_command *command, const vvi_run_plan *plan, double n
 
 static void report_plan(cli_command *command, const char *output, const vvi_run_plan *plan, const vv_run_about *run)
 {
-    char about[128], needed[32], working[32];
+    char about[128], needed[32], working[32], scratch[32];
     uint64_t bytes = 0;
     const uint64_t n_results = run->n_layers > 0 ? run->n_layers : (uint64_t)run->n_frames;
-    cli_describe_info(about, &run->info, run->n_frames);
-    vvi_print_bytes(needed, run->bytes);
+    vvi_samples_print(about, &run->info, run->n_frames);
+    const uint64_t limit = vv_runtime_memory_limit(vv_job_runtime(command->job));
+    vvi_print_bytes(needed, run->streamed ? limit : run->bytes);
     vvi_print_bytes(working, run->working);
+    vvi_print_bytes(scratch, run->scratch);
     for (size_t i = 0; i < plan->n_inputs; i++) {
         const vv_run_input *in = &plan->inputs[i];
         const vv_field_info *info = in->file ? vv_file_info(in->file) : NULL;
         char from[128];
         if (!info)
             continue;
-        cli_describe_info(from, info, info->n_frames);
+        vvi_samples_print(from, info, info->n_frames);
         cli_command_line(command, "reads", "%s: %s", in->name, from);
     }
     cli_command_line(command, "makes", "%s: %s%s", output, about,
                      run->finds_type ? ", as values: in the smallest type that holds them" : "");
-    cli_command_line(command, "needs", "%s for samples and results%s%s%s%s", needed,
-                     run->streamed ? ", slab by slab" : "", run->working ? "; about " : "", run->working ? working : "",
+    cli_command_line(command, "needs", "%s%s%s%s%s%s", run->streamed ? "at most " : "", needed,
+                     run->streamed ? ", the limit, slab by slab" : " for samples and results",
+                     run->scratch   ? "; a temporary file of "
+                     : run->working ? "; about "
+                                    : "",
+                     run->scratch   ? scratch
+                     : run->working ? working
+                                    : "",
                      run->working ? " to work with" : "");
     report_time(command, plan, (double)n_results);
     report_info(command, output, &run->info, run);
     if (vv_field_info_bytes(&bytes, &run->info) == VV_OK)
         vvi_result_unsigned(&command->json, "output_bytes", bytes * n_results);
     vvi_result_unsigned(&command->json, "working_bytes", run->working);
-    vvi_result_unsigned(&command->json, "memory_bytes", run->bytes + run->working);
+    vvi_result_unsigned(&command->json, "memory_bytes", run->streamed ? limit : run->bytes + run->working);
+    vvi_result_unsigned(&command->json, "scratch_bytes", run->scratch);
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_result_bool(&command->json, "dry_run", true);
 }

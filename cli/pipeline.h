@@ -3,6 +3,7 @@
  */
 #ifndef CLI_PIPELINE_H
 #define CLI_PIPELINE_H
+#include "grid/info_text.h"
 #include "input.h"
 #include "run/run_impl.h"
 
@@ -16,6 +17,4 @@ vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t
                            size_t n_steps);
 /** The same of any run. */
 vv_status cli_pipeline_run_plan(cli_command *command, const vvi_run_plan *plan);
-/** "64 x 64 x 32 f32, 3 components, 4 time steps": for people. */
-void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames);
 #endif

@@ -75,7 +75,7 @@ vv_status cli_render_plan(cli_command *command, const vv_world *world, const vv_
         if ((st = vv_dataset_info(&info, world, dataset, command->job)) != VV_OK ||
             (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
             return st;
-        cli_describe_info(about, &info, info.n_frames);
+        vvi_samples_print(about, &info, info.n_frames);
         if (made)
             cli_command_line(command, "works out", "%s: %s, by %s", world->datasets->entry[i].id, about,
                              dataset->operation);

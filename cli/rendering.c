@@ -2,6 +2,7 @@
 #include "rendering.h"
 #include "io/sink.h"
 #include "picture_notes.h"
+#include "resuming.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,6 +106,8 @@ vv_status cli_rendering_write(cli_rendering *r)
         (st = r->is_figure ? write_figure(r) : write_picture(r, fixed)) == VV_OK && r->options->save_scene)
         st = vv_scene_write(r->options->save_scene, fixed, r->command->job);
     vv_object_release(&fixed->base);
+    if (st == VV_OK)
+        cli_resuming_end(r);
     r->write_s = cli_now_s() - start_s;
     return st;
 }
@@ -160,6 +163,8 @@ void cli_rendering_report(cli_rendering *r)
     report_layers(r);
     r->command->kept = f->ended_by == VV_END_STOPPED;
     vvi_result_bool(json, "interrupted", r->command->kept);
+    if (r->checkpoint)
+        vvi_result_bool(json, "resumed", r->resumed);
     if (r->command->kept)
         cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays per pixel was written", f->passes);
 }

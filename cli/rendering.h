@@ -11,7 +11,7 @@ typedef struct cli_render_options {
     vv_object base;
     int64_t bits, image_quality, repeat;
     double dpi;
-    char *save_scene, *output_format;
+    char *save_scene, *output_format, *resume;
 } cli_render_options;
 
 /** A picture on its way, from the World that is edited to its file. */
@@ -28,6 +28,9 @@ typedef struct cli_rendering {
     bool is_figure; /* SVG */
     char *figure;
     vv_render_report first, last;
+    char *checkpoint; /* of --resume; NULL: none */
+    bool resumed, saved;
+    double done; /* share of the picture, 0..1, where it was stopped */
     double load_s, first_s, render_s, write_s;
     vv_field **fields; /* of the volumes, kept so that loading is timed apart and happens once */
     vv_mesh **meshes;  /* the same */

@@ -4,6 +4,7 @@
 #include "edits.h"
 #include "measure.h"
 #include "model/context.h"
+#include "operands.h"
 #include "options.h"
 #include "value.h"
 #include <ctype.h>
@@ -191,10 +192,28 @@ void cli_usage_option_doc(vvi_text *out, const vv_property *row)
 void cli_usage_line(vvi_text *out, const cli_verb *verb)
 {
     vvi_text_printf(out, "volvis %s [options]", verb->name);
-    if (verb->words)
+    if (verb->operation)
+        cli_operands_line(out, verb->operation);
+    else if (verb->words)
         vvi_text_printf(out, verb->min_words ? " %s" : " [%s]", verb->words);
     if (verb->makes_file)
         vvi_text_add(out, " -o FILE");
+}
+
+void cli_usage_inputs(vvi_text *out, const cli_verb *verb, const char *heading, cli_usage_entry_fn *fn)
+{
+    const vv_operation *operation = verb->operation;
+    if (!operation || vv_operation_most(operation) == 1)
+        return;
+    vvi_text_add(out, heading);
+    for (const vv_operand *o = operation->inputs; o->name; o++) {
+        vvi_text left = {0}, right = {0};
+        cli_operand_usage(&left, operation, o);
+        vvi_text_printf(&right, "%s%s", o->doc, o->least > 0 ? "" : "; may be left out");
+        fn(out, left.bad ? "" : left.s, right.bad ? "" : right.s);
+        vvi_text_free(&left);
+        vvi_text_free(&right);
+    }
 }
 
 const char *cli_usage_example(const cli_verb *verb, size_t index)

@@ -19,6 +19,9 @@ void cli_usage_option_doc(vvi_text *out, const vv_property *row);
 void cli_usage_about(vvi_text *out, const vv_property *row);
 /** "volvis gaussian [options] INPUT -o FILE" */
 void cli_usage_line(vvi_text *out, const cli_verb *verb);
+/** Every input of an operation that takes more than one, with what it is; `heading` before the first. */
+typedef void cli_usage_entry_fn(vvi_text *out, const char *left, const char *right);
+void cli_usage_inputs(vvi_text *out, const cli_verb *verb, const char *heading, cli_usage_entry_fn *fn);
 /** Example by number, of a hand-written verb or of an operation; NULL past the end. */
 const char *cli_usage_example(const cli_verb *verb, size_t index);
 /** Option class of a verb by number, its own first and that of all verbs last; NULL past the end. */

@@ -75,22 +75,6 @@ vv_status cli_value_point(vvi_text *out, const char *option, const char *typed)
     return out->bad ? vv_fail_memory(out->n) : VV_OK;
 }
 
-#define WHOLE_MOST 9007199254740992.0 /* 2^53: up to it doubles tell all whole numbers apart */
-
-void cli_value_print(char out[32], double value, double lo, double hi)
-{
-    const double span = hi - lo, most = fmax(fabs(lo), fabs(hi));
-    if (value == nearbyint(value) && fabs(value) <= WHOLE_MOST) { /* 3000000000, not 3e+09 */
-        snprintf(out, 32, "%.0f", value == 0 ? 0 : value);
-        return;
-    }
-    const int digits = span > 0 ? 6 + (int)fmin(ceil(log10(most / span)), 11) : 17;
-    if (digits < 17)
-        snprintf(out, 32, "%.*g", digits < 6 ? 6 : digits, value == 0 ? 0 : value);
-    else
-        vvi_print_number(out, value);
-}
-
 static int by_number(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -101,14 +85,4 @@ double cli_value_median(double *v, size_t n)
 {
     qsort(v, n, sizeof *v, by_number);
     return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
-}
-
-void cli_value_scaled(char out[96], const char *stored, double scale, double offset)
-{
-    char times[32] = "", plus[32] = "";
-    if (scale != 1)
-        snprintf(times, sizeof times, " * %g", scale);
-    if (offset != 0)
-        snprintf(plus, sizeof plus, " %c %g", offset < 0 ? '-' : '+', fabs(offset));
-    snprintf(out, 96, "%.31s%s%s", stored, times, plus);
 }

@@ -2,7 +2,6 @@
 #include "config.h"
 #include "core/limits.h"
 #include "core/units.h"
-#include "libraries.h"
 #include "limit_words.h"
 #include "verbs.h"
 #include <errno.h>
@@ -82,10 +81,10 @@ static void check_defaults(cli_command *command)
 
 static void check_libraries(cli_command *command)
 {
-    cli_library library;
+    vv_library library;
     char text[2600];
-    for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        const char *problem = *library.version && library.problem ? library.problem(true) : NULL;
+    for (size_t i = 0; vv_library_nth(&library, i, true); i++) {
+        const char *problem = *library.version ? library.problem : NULL;
         if (problem)
             snprintf(text, sizeof text, "no %s: %s; install VolVis again", library.purpose, problem);
         else if (*library.version)

@@ -1,28 +1,18 @@
 #include "command.h"
 #include "core/job.h"
-#include "core/units.h"
-#include "info_folder.h"
 #include "info_ids.h"
-#include "info_names.h"
 #include "info_preview.h"
-#include "info_scene.h"
-#include "info_statistics.h"
 #include "input.h"
-#include "io/channel_colors.h"
 #include "io/file_stream.h"
+#include "measure.h"
 #include "mesh.h"
 #include "output.h"
-#include "pipeline.h"
+#include "picture_notes.h"
 #include "refusal.h"
 #include "report.h"
 #include "run/stream.h"
-#include "terminal.h"
-#include "value.h"
 #include "verbs.h"
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include <volvis/about.h>
 
 typedef struct info_options {
     vv_object base;
@@ -32,7 +22,6 @@ typedef struct info_options {
 } info_options;
 
 enum { RANGE_BYTES = 64 << 20 }; /* of samples, which are looked at without being asked */
-#define TILT_LEAST 0.05          /* degrees; less is the rounding of numbers in headers */
 
 static const char *const previews[] = {"none", "auto", "sixel", "blocks", NULL};
 
@@ -55,141 +44,29 @@ static const vv_class options_class = {
     .properties = rows,
 };
 
-static const char *const meaning_names[] = {"scalar", "RGB", "RGBA", "vector", "label"};
-static const char *const space_names[] = {"plain", "RAS"};
-
-static void json_placement(vvi_result *json, const vv_grid *grid)
+static vv_about_options about_options(const cli_command *command)
 {
-    const double dims[3] = {(double)grid->dims[0], (double)grid->dims[1], (double)grid->dims[2]};
-    const double spacing[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
-    const vv_affine *map = &grid->index_to_world;
-    const double origin[3] = {map->origin.x, map->origin.y, map->origin.z};
-    vvi_result_numbers(json, "dims", dims, 3);
-    vvi_result_numbers(json, "spacing", spacing, 3);
-    vvi_result_numbers(json, "origin", origin, 3);
-    vvi_result_open(json, "directions", '[');
-    for (int a = 0; a < 3; a++) {
-        const double unit[3] = {map->axis[a].x / spacing[a], map->axis[a].y / spacing[a], map->axis[a].z / spacing[a]};
-        vvi_result_numbers(json, NULL, unit, 3);
-    }
-    vvi_result_close(json, ']');
-    vvi_result_string(json, "unit", grid->unit);
-    vvi_result_string(json, "space", space_names[grid->space]);
+    vv_about_options options;
+    vv_about_options_init(&options, sizeof options);
+    options.all = command->common->verbose;
+    options.more = ", which --verbose and --json list";
+    return options;
 }
 
-static void json_header(vvi_result *json, const cli_input *input, const char *id, uint64_t bytes)
+/* What the library tells of a file, and of the samples `field` where it is about these. */
+static vv_status tell(cli_command *command, const cli_input *input, unsigned what, const vv_field *field,
+                      const char *id)
 {
-    const vv_field_info *info = vv_file_info(input->file);
-    char letters[16];
-    const char *key, *value;
-    vv_grid_orientation(letters, &info->grid);
-    vvi_result_string(json, "file", input->path);
-    vvi_result_string(json, "format", vv_file_format(input->file));
-    json_placement(json, &info->grid);
-    vvi_result_string(json, "orientation", letters);
-    vvi_result_string(json, "type", vv_type_name(info->type));
-    vvi_result_integer(json, "components", info->components);
-    vvi_result_string(json, "meaning", meaning_names[info->meaning]);
-    vvi_result_integer(json, "frames", info->n_frames);
-    vvi_result_number(json, "frame_step", info->frame_step);
-    vvi_result_string(json, "frame_unit", info->frame_unit);
-    vvi_result_string(json, "name", info->name);
-    vvi_result_string(json, "volume", id);
-    vvi_result_string(json, "value_unit", info->value_unit);
-    vvi_result_number(json, "value_scale", info->value_scale);
-    vvi_result_number(json, "value_offset", info->value_offset);
-    vvi_result_unsigned(json, "memory_bytes", bytes);
-    vvi_result_bool(json, "mappable", vv_file_mappable(input->file));
-    vvi_result_open(json, "metadata", '{');
-    for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++)
-        vvi_result_string(json, key, value);
-    vvi_result_close(json, '}');
-    vvi_result_open(json, "warnings", '[');
-    for (size_t i = 0; (value = vv_file_warning(input->file, i)); i++)
-        vvi_result_string(json, NULL, value);
-    vvi_result_close(json, ']');
-}
-
-/* The largest angle between an axis of the grid and the axis of the world that it runs along, in degrees. */
-static double tilt_of(const vv_grid *grid)
-{
-    double most = 0;
-    for (int i = 0; i < 3; i++) {
-        const vv_vec3 a = grid->index_to_world.axis[i];
-        const double along = fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
-        const double beside = sqrt(fmax(0, a.x * a.x + a.y * a.y + a.z * a.z - along * along));
-        most = fmax(most, atan2(beside, along) * 180 / 3.14159265358979323846);
-    }
-    return most;
-}
-
-static void text_tilt(cli_command *command, const vv_grid *grid)
-{
-    const double tilt = tilt_of(grid);
-    const vv_affine *m = &grid->index_to_world;
-    const double row[3][4] = {{m->axis[0].x, m->axis[1].x, m->axis[2].x, m->origin.x},
-                              {m->axis[0].y, m->axis[1].y, m->axis[2].y, m->origin.y},
-                              {m->axis[0].z, m->axis[1].z, m->axis[2].z, m->origin.z}};
-    if (!(tilt >= TILT_LEAST))
-        return;
-    cli_command_line(command, "tilt", "%.2f degrees from the axes of the world", tilt);
-    for (int r = 0; r < 3; r++) /* in columns, which cli_command_line() would close up */
-        vvi_text_printf(&command->text, "%-13s%11.6g %11.6g %11.6g  %11.6g\n", r ? "" : "to world", row[r][0] + 0.0,
-                        row[r][1] + 0.0, row[r][2] + 0.0, row[r][3] + 0.0);
-}
-
-static void text_placement(cli_command *command, const vv_grid *grid)
-{
-    char letters[16];
-    const double spacing[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
-    const bool measured = strcmp(grid->unit, "voxels") != 0;
-    const char *unit = measured ? grid->unit : "(the file gives no spacing)";
-    const vv_vec3 o = grid->index_to_world.origin;
-    vv_grid_orientation(letters, grid);
-    cli_command_line(command, "spacing", "%g x %g x %g %s", spacing[0], spacing[1], spacing[2], unit);
-    cli_command_line(command, "size", "%g x %g x %g %s", spacing[0] * (double)grid->dims[0],
-                     spacing[1] * (double)grid->dims[1], spacing[2] * (double)grid->dims[2], grid->unit);
-    if (grid->space == VV_SPACE_RAS)
-        cli_command_line(command, "orientation", "%s (letter = direction of increase along x, y, z)", letters);
-    else
-        cli_command_line(command, "orientation", "%s (the world axis that x, y, z run along)", letters);
-    cli_command_line(command, "origin", "%g, %g, %g %s", o.x + 0.0, o.y + 0.0, o.z + 0.0, grid->unit);
-    text_tilt(command, grid);
-}
-
-static void text_values(cli_command *command, const vv_field_info *info)
-{
-    char scaled[96];
-    cli_value_scaled(scaled, "stored", info->value_scale, info->value_offset);
-    if (info->value_scale != 1 || info->value_offset != 0)
-        cli_command_line(command, "values", "%s %s", scaled, info->value_unit);
-    else if (info->value_unit[0])
-        cli_command_line(command, "values", "in %s", info->value_unit);
-    if (info->n_frames > 1 && info->frame_step > 0)
-        cli_command_line(command, "time", "%" PRId64 " steps of %g %s", info->n_frames, info->frame_step,
-                         info->frame_unit);
-}
-
-static void text_header(cli_command *command, const cli_input *input, const char *id, uint64_t bytes)
-{
-    const vv_field_info *info = vv_file_info(input->file);
-    char size[32], about[128];
-    const char *key, *value;
-    cli_describe_info(about, info, info->n_frames);
-    vvi_print_bytes(size, bytes);
-    cli_command_title(command, input->path);
-    cli_command_line(command, "format", "%s", vv_file_format(input->file));
-    cli_command_line(command, "samples", "%s, %s", about, meaning_names[info->meaning]);
-    text_placement(command, &info->grid);
-    text_values(command, info);
-    cli_info_missing(command, input);
-    cli_command_line(command, "memory", "%s%s", size,
-                     vv_file_mappable(input->file) ? " (used where it lies, not read)" : "");
-    cli_command_line(command, "in a scene", "volumes.%s%s", id, vvi_has_channels(info) ? " and so on" : "");
-    for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++) {
-        if (command->common->verbose)
-            cli_command_line(command, i ? "" : "header", "%s: %s", key, value);
-    }
+    vv_about_options options = about_options(command);
+    vv_answer *answer = NULL;
+    options.what = what;
+    options.field = field;
+    options.id = id;
+    const vv_status st = vv_about_file(&answer, input->file, &options, command->job);
+    if (st == VV_OK)
+        cli_answer_print(command, answer, false, true);
+    vv_answer_release(answer);
+    return st;
 }
 
 static bool is_stopping(vv_status st)
@@ -209,7 +86,7 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
     }
     vv_status st = vv_file_read(&field, input->file, frame, NULL, command->job);
     if (st == VV_OK)
-        st = cli_info_range(command, input, field);
+        st = tell(command, input, VV_ABOUT_RANGE, field, NULL);
     vv_field_release(field);
     if (is_stopping(st))
         return st;
@@ -232,12 +109,39 @@ static vv_status look_at_samples(cli_command *command, const cli_input *input, c
         return st;
     if (st == VV_OK && options->stats &&
         (st = vvi_stream_samples(&field, &stream, input->file, frame, command->job)) == VV_OK)
-        st = cli_info_statistics(command, input, field);
+        st = tell(command, input, VV_ABOUT_STATISTICS, field, NULL);
     if (st == VV_OK && options->preview != CLI_PREVIEW_NONE)
         st = cli_info_preview(command, input, field, (cli_preview_kind)options->preview, options->size);
     vv_field_release(field);
     vvi_stream_free(&stream);
     return st;
+}
+
+/* Meshes in a folder, and folders that are volumes; of a part of a folder, nothing. alone: it holds nothing else, and
+ * has no block yet. Whether there are any. */
+static bool tell_folder(cli_command *command, const char *word, bool alone)
+{
+    const vv_about_options options = about_options(command);
+    vv_answer *answer = NULL;
+    cli_input_name name;
+    size_t n_meshes = 0, n_volumes = 0;
+    if (cli_input_split(&name, word) != VV_OK)
+        return false;
+    if (!name.part)
+        vv_about_folder(&answer, &n_meshes, &n_volumes, name.path, &options, command->job);
+    const bool any = n_meshes > 0 || n_volumes > 0;
+    if (any && alone) {
+        cli_command_title(command, name.path);
+        vvi_result_string(&command->json, "file", name.path);
+        vvi_result_string(&command->json, "format", "folder");
+        cli_command_line(command, "format", "folder of %s%s%s", n_meshes ? "meshes" : "",
+                         n_meshes && n_volumes ? " and " : "", n_volumes ? "volumes that are folders" : "");
+    }
+    if (any)
+        cli_answer_print(command, answer, false, false);
+    vv_answer_release(answer);
+    cli_input_name_free(&name);
+    return any;
 }
 
 static vv_status info_of_data(cli_command *command, const char *word, cli_info_ids *ids)
@@ -248,19 +152,20 @@ static vv_status info_of_data(cli_command *command, const char *word, cli_info_i
     char id[64];
     vv_status st;
     if ((st = cli_input_open(&input, command, word)) != VV_OK)
-        return st == VV_E_FORMAT && cli_info_folder(command, word, true) ? VV_OK : st;
+        return st == VV_E_FORMAT && tell_folder(command, word, true) ? VV_OK : st;
     const vv_field_info *info = vv_file_info(input.file);
-    if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
+    if (options->preview != CLI_PREVIEW_NONE) /* its samples are read again, after a look at their range */
+        st = vvi_file_make_repeatable(input.file, command->job);
+    if (st == VV_OK && (st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
         (st = cli_info_ids_take(id, ids, input.path, info)) == VV_OK) {
-        json_header(&command->json, &input, id, bytes);
-        text_header(command, &input, id, bytes);
-        cli_info_parts(command, &input);
-        cli_info_folder(command, word, false);
-        if (!options->stats) {
-            cli_info_channels(command, &input);
-            cli_info_labels(command, &input);
-        }
-        st = look_at_samples(command, &input, options, bytes);
+        cli_command_title(command, input.path);
+        vvi_result_string(&command->json, "file", input.path);
+        st = tell(command, &input, VV_ABOUT_HEADER | VV_ABOUT_PARTS, NULL, id);
+        tell_folder(command, word, false);
+        if (st == VV_OK && !options->stats)
+            st = tell(command, &input, VV_ABOUT_NAMES, NULL, NULL);
+        if (st == VV_OK)
+            st = look_at_samples(command, &input, options, bytes);
     }
     cli_input_close(&input);
     return st;
@@ -298,15 +203,35 @@ static vv_status info_of_mesh(cli_command *command, const char *word)
     return cli_mesh_info(command, word, options->input_unit);
 }
 
+static vv_status info_of_scene(cli_command *command, const char *word, const char *format)
+{
+    vv_world *world = NULL;
+    vv_answer *answer = NULL;
+    vvi_recipe recipe;
+    vv_status st = cli_input_world(&world, &recipe, command, word);
+    if (st != VV_OK)
+        return st;
+    cli_command_title(command, word);
+    vvi_result_string(&command->json, "file", word);
+    vvi_result_string(&command->json, "format", format);
+    cli_command_line(command, "format", "%s", format);
+    if ((st = vv_about_world(&answer, world)) == VV_OK)
+        cli_answer_print(command, answer, false, false);
+    cli_note_moved(command, world, word);
+    vv_answer_release(answer);
+    vv_object_release(&world->base);
+    return st;
+}
+
 static vv_status info_of(cli_command *command, const char *word, cli_info_ids *ids)
 {
     if (cli_mesh_is_input(command, word))
         return info_of_mesh(command, word);
     switch (cli_input_contents(command, word)) {
     case CLI_INPUT_SCENE:
-        return cli_info_scene(command, word, "scene");
+        return info_of_scene(command, word, "scene");
     case CLI_INPUT_PICTURE:
-        return cli_info_scene(command, word, "picture with a scene");
+        return info_of_scene(command, word, "picture with a scene");
     case CLI_INPUT_DATA:
         break;
     }

@@ -60,7 +60,7 @@ static bool asks(const cli_command *command)
 {
     for (size_t i = 0; i < command->args.n_given; i++) {
         const cli_given *given = &command->args.given[i];
-        if (given->cls == &vvi_measurement_class ||
+        if (given->cls == &vvi_measurement_class || given->cls == &vvi_measured_region_class ||
             (given->cls == &cli_measure_class && strcmp(given->row->name, "csv") != 0 &&
              strcmp(given->row->name, "update") != 0))
             return true;
@@ -132,6 +132,8 @@ static const char *const examples[] = {
     "volvis measure histogram head.nrrd --log -o histogram.svg",
     "volvis measure joint head.nrrd -o joint.png",
     "volvis measure statistics head.nrrd --iso 90",
+    "volvis measure statistics head.nrrd --region ellipse --center 32,32,30 --size 24,16,0",
+    "volvis measure volume head.nrrd --region ellipsoid --center 32,32,32 --size 40,30,20 --iso 90",
     "volvis measure profile head.nrrd --point 0,32,32 --point 63,32,32 --samples 64",
     "volvis measure distance head.nrrd --point 0,32,32 --point 63,32,32",
     "volvis measure distance head.nrrd --iso 90 --point 2,32,32",
@@ -166,7 +168,7 @@ const cli_verb cli_verb_measure = {
     .files_too = true,
     .min_words = 1,
     .max_words = WORDS_MOST,
-    .options = {&vvi_measurement_class, &cli_measure_class, &cli_reading_class},
+    .options = {&vvi_measurement_class, &vvi_measured_region_class, &cli_measure_class, &cli_reading_class},
     .own = &vvi_measurement_class,
     .examples = examples,
     .draws = "name a measurement that has a plot",

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "help.h"
 #include "properties.h"
+#include "usage.h"
 #include "verbs.h"
 #include <string.h>
 
@@ -30,7 +31,9 @@ static void describe(cli_command *command, const vv_operation *row, bool in_full
     vvi_result *json = &command->json;
     cli_help_entry(&command->text, row->name, row->doc);
     if (in_full) {
-        vvi_text_add(&command->text, "\nParameters\n");
+        const cli_verb verb = cli_verb_of_operation(row);
+        cli_usage_inputs(&command->text, &verb, "\nInputs\n", cli_help_entry);
+        vvi_text_add(&command->text, row->params->properties->name ? "\nParameters\n" : "");
         cli_properties_text(&command->text, "", row->params, true);
         vvi_text_printf(&command->text, "\nExample\n  %s\n", row->example);
     }

@@ -8,6 +8,7 @@
 #include "refusal.h"
 #include "render_plan.h"
 #include "rendering.h"
+#include "resuming.h"
 #include "signals.h"
 #include "value.h"
 #include "verbs.h"
@@ -32,6 +33,10 @@ static const vv_property rows[] = {
      .doc =
          "of a picture that goes to standard output (-o -): jpeg, tiff, svg, ..., as 'volvis formats' lists them; for "
          "a file the suffix decides"},
+    {VV_PROP(cli_render_options, resume), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "nothing is kept",
+     .doc = "keep what is rendered in this file every few seconds, and go on from it where it is there: the same bytes "
+            "as without a break, on any number of threads; Ctrl-C ends with exit code 75; the file goes once the "
+            "picture is written"},
     {VV_PROP(cli_render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
      .doc = "also write the scene, with everything that was chosen automatically, to this *.vv.json file"},
     {0},
@@ -83,6 +88,8 @@ static vv_status frame(cli_rendering *r, vv_render_report *report)
     r->image = NULL;
     free(r->figure);
     r->figure = NULL;
+    if (r->checkpoint)
+        return cli_resuming_render(r, report);
     vv_render_options_init(&options, sizeof options);
     options.figure_out = r->is_figure ? &r->figure : NULL;
     options.enough = is_interrupted;
@@ -169,6 +176,7 @@ static void finish(cli_rendering *r)
     free(r->fields);
     free(r->meshes);
     free(r->figure);
+    free(r->checkpoint);
     vv_image_release(r->image);
     if (r->world)
         vv_object_release(&r->world->base);
@@ -194,6 +202,7 @@ static vv_status run(cli_command *command)
     cli_rendering r = {.command = command, .options = cli_command_options(command, &options_class)};
     vv_status st;
     if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK || (st = choose_format(&r)) != VV_OK ||
+        (st = cli_resuming_check(&r)) != VV_OK ||
         (st = cli_output_check(command, r.output, r.is_figure ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL)) != VV_OK ||
         (r.options->save_scene &&
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
@@ -204,7 +213,9 @@ static vv_status run(cli_command *command)
             st = cli_render_plan(command, r.world, cli_rendering_view(&r), r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
-        else if ((st = render(&r)) == VV_OK && (st = cli_rendering_write(&r)) == VV_OK)
+        else if ((st = render(&r)) == VV_OK && r.saved)
+            cli_resuming_report(&r);
+        else if (st == VV_OK && (st = cli_rendering_write(&r)) == VV_OK)
             cli_rendering_report(&r);
     }
     finish(&r);
@@ -219,6 +230,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
+    "volvis render head.nrrd -o poster.png --size 8192 --spp 64 --resume poster.part",
     "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
     "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
     "volvis render skin.ply -o skin.png",

@@ -93,7 +93,7 @@ static void report(cli_command *command, char *const *names, int64_t n, const vv
     const vv_field_info *info = dry ? &run->info : &run->written;
     const double dims[3] = {(double)info->grid.dims[0], (double)info->grid.dims[1], (double)info->grid.dims[2]};
     vvi_result *json = &command->json;
-    cli_describe_info(about, info, 1);
+    vvi_samples_print(about, info, 1);
     vvi_result_open(json, "outputs", '[');
     for (int64_t i = 0; i < n; i++)
         vvi_result_string(json, NULL, names[i]);

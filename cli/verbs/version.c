@@ -1,5 +1,4 @@
 #include "command.h"
-#include "libraries.h"
 #include "verbs.h"
 #include <string.h>
 #include <volvis/version.h>
@@ -10,7 +9,7 @@ static void add_isas(cli_command *command)
     bool usable;
     vvi_text list = {0};
     vvi_result_open(&command->json, "isas", '[');
-    for (size_t i = 0; cli_isa_nth(&name, &usable, i); i++) {
+    for (size_t i = 0; vv_isa_nth(&name, &usable, i); i++) {
         const char *note = strcmp(name, in_use) == 0 ? " (in use)" : usable ? "" : " (not on this machine)";
         vvi_result_string(&command->json, NULL, name);
         vvi_text_printf(&list, "%s%s%s", i ? ", " : "", name, note);
@@ -23,11 +22,11 @@ static void add_isas(cli_command *command)
 
 static void add_libraries(cli_command *command)
 {
-    cli_library library;
+    vv_library library;
     vvi_text list = {0};
     vvi_result_open(&command->json, "libraries", '{');
-    for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        const bool there = *library.version && !(library.problem && library.problem(false));
+    for (size_t i = 0; vv_library_nth(&library, i, false); i++) {
+        const bool there = *library.version && !library.problem;
         vvi_result_string(&command->json, library.name, there ? library.version : NULL);
         vvi_text_printf(&list, "%s%s %s", i ? ", " : "", library.name,
                         there              ? library.version
@@ -45,9 +44,9 @@ static vv_status run(cli_command *command)
     if ((st = cli_command_start(command)) != VV_OK)
         return st;
     vvi_result_string(&command->json, "version", vv_version());
-    vvi_result_string(&command->json, "compiler", cli_compiler());
+    vvi_result_string(&command->json, "compiler", vv_compiler());
     vvi_text_printf(&command->text, "volvis %s\n", vv_version());
-    cli_command_line(command, "compiler", "%s", cli_compiler());
+    cli_command_line(command, "compiler", "%s", vv_compiler());
     add_isas(command);
     add_libraries(command);
     return VV_OK;

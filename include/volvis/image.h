@@ -94,6 +94,24 @@ typedef struct vv_image_difference {
 
 VV_API vv_status vv_image_compare(vv_image_difference *out, const vv_image *a, const vv_image *b, vv_job *job);
 
+/** How a terminal shows pictures. */
+typedef enum vv_letters {
+    VV_LETTERS_SIXEL,   /**< pixels */
+    VV_LETTERS_BLOCKS,  /**< two pixels a letter, one above the other, in 16 million colours */
+    VV_LETTERS_BLOCKS8, /**< the same in the 256 colours of xterm */
+    VV_LETTERS_SHADES   /**< one pixel a letter, light or dark */
+} vv_letters;
+
+/**
+ * An image, over black, as text for a terminal: lines that end, with escape sequences but in shades. What a terminal
+ * can show, and how many letters fit, is for whoever has it to know.
+ *
+ * Errors   VV_E_MEMORY
+ * Owns     *text_out is yours to free()
+ * Threads  any
+ */
+VV_API vv_status vv_image_letters(char **text_out, const vv_image *image, vv_letters kind);
+
 /** The sRGB curve, both ways, for values 0..1. */
 VV_API double vv_srgb_encode(double linear);
 VV_API double vv_srgb_decode(double encoded);

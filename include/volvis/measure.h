@@ -23,6 +23,26 @@ typedef enum vv_measure_method {
     VV_MEASURE_COUNT  /**< voxel counting */
 } vv_measure_method;
 
+typedef enum vv_region_kind {
+    VV_REGION_NONE,    /**< everything */
+    VV_REGION_BOX,     /**< a rectangle where it is as thick as a slice */
+    VV_REGION_ELLIPSE, /**< as thick along z: an elliptic cylinder */
+    VV_REGION_POLYGON, /**< an outline, as thick along z; inside is what an odd number of its sides separates from far
+                          away */
+    VV_REGION_ELLIPSOID
+} vv_region_kind;
+
+/** A region in a frame of its own. Samples belong to it whose centres are inside: of two opposite sides of boxes,
+ * thicknesses and outlines the lower one is part of it, so that regions side by side share no sample; ellipses and
+ * ellipsoids have all of their border. */
+typedef struct vv_region_shape {
+    vv_region_kind kind;
+    vv_affine frame;       /**< from its coordinates, whose origin is its middle, to the world */
+    double half[3];        /**< half of its extent along each; of a polygon the last alone counts */
+    const double *outline; /**< of a polygon: n_outline rows of x and y, at least 3 */
+    size_t n_outline;
+} vv_region_shape;
+
 /** What is measured and how. Fill with vv_measure_options_init(), then change what you need. */
 typedef struct vv_measure_options {
     size_t size; /**< set by init */
@@ -40,6 +60,8 @@ typedef struct vv_measure_options {
     bool closed;     /**< counting: faces where the object is cut off are part of its area */
     bool no_error;   /**< Marching Cubes: area_error and volume_error are not worked out, which saves an eighth */
     vv_measure_method method;
+    const vv_region_shape *region; /**< only samples in it, which are counted: no Marching Cubes. What cuts the object
+                                      off there is part of its surface. NULL: everything */
 } vv_measure_options;
 
 /** Results. Areas and volumes are in the square and the cube of the grid's unit. */
@@ -77,13 +99,17 @@ VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
  *
  * Shapes   field: at least 2 samples along each axis for Marching Cubes
  * Errors   VV_E_ARGUMENT (no such channel, an invalid range, mask on another grid, box outside, seed outside the
- *          object), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty object is not an error: all is 0.
- * Threads  any; same bytes for any thread count
- * Memory   a few slices; with a seed three bits a sample
- * Source   Lindblad 2005 (weights of configurations); Crofton's formula with Voronoi weights of the directions;
- *          Lorensen & Cline 1987, Nielson & Hamann 1991, volume by the divergence theorem in each cell
+ *          object, a region without extent or for Marching Cubes), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty
+ * object is not an error: all is 0. Threads  any; same bytes for any thread count Memory   a few slices; with a seed
+ * three bits a sample Source   Lindblad 2005 (weights of configurations); Crofton's formula with Voronoi weights of the
+ * directions; Lorensen & Cline 1987, Nielson & Hamann 1991, volume by the divergence theorem in each cell
  */
 VV_API vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_options *options, vv_job *job);
+
+/** Volume and area of a region itself, as geometry has it: of an ellipsoid no area, and of a polygon that crosses
+ * itself neither (NaN). The area is that of the outline, in the square of the world's unit. */
+VV_API double vv_region_shape_volume(const vv_region_shape *region);
+VV_API double vv_region_shape_area(const vv_region_shape *region);
 
 /* Values ---------------------------------------------------------------------------------------------------------- */
 

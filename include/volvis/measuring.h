@@ -66,7 +66,7 @@ typedef enum vv_answer_kind {
     VV_ANSWER_NUMBER,  /**< `value` */
     VV_ANSWER_COUNT,   /**< `count` */
     VV_ANSWER_BOOL,    /**< `count`, 0 or 1 */
-    VV_ANSWER_TEXT,    /**< `text` */
+    VV_ANSWER_TEXT,    /**< `text`; NULL: there is none */
     VV_ANSWER_NUMBERS, /**< `n` of `numbers`, together */
     VV_ANSWER_ROWS,    /**< `n` rows of `columns` of `numbers` each */
     VV_ANSWER_COUNTS,  /**< `n` of `counts`, together */
@@ -75,7 +75,8 @@ typedef enum vv_answer_kind {
     VV_ANSWER_LINE,  /**< `text` for people, after `label` */
     VV_ANSWER_BLOCK, /**< `text` for people, of whole lines */
     VV_ANSWER_BARS,  /**< a histogram for people: `bars` */
-    VV_ANSWER_TABLE  /**< `table` */
+    VV_ANSWER_TABLE, /**< `table` */
+    VV_ANSWER_JSON   /**< `text` is JSON, as it is: whole numbers of any size, and free objects */
 } vv_answer_kind;
 
 typedef enum vv_cell_kind {

@@ -301,6 +301,19 @@ typedef struct vv_measured_figure {
     char *unit;
 } vv_measured_figure;
 
+/** Where something is measured, in a frame of its own: drawn in a slice, or in space. What the kinds need stands side
+ * by side, so that another kind loses nothing. Coordinates are in the measurement's `space`. */
+typedef struct vv_measured_region {
+    vv_object base;
+    int kind;            /**< vv_region_kind */
+    vv_vec3 center;      /**< of all but polygons */
+    vv_vec3 size;        /**< whole extents along `right`, up and `normal`; the last 0: one step of the samples */
+    vv_vec3 normal;      /**< of its plane; unset: z, of a polygon that of its outline */
+    vv_vec3 right;       /**< unset: x, or the axis that lies in the plane best */
+    vv_numbers *outline; /**< of a polygon: rows of 3 */
+    double thickness;    /**< of a polygon, as size's last number */
+} vv_measured_region;
+
 /** What was measured, how, and what came out. Unset arguments are left to the measurement, as on the command line. */
 typedef struct vv_measurement {
     vv_object base;
@@ -326,6 +339,7 @@ typedef struct vv_measurement {
     char *input_unit;       /**< of mesh files that do not say it: "mm", "0.5mm" */
     char *volume;           /**< id of the scene's volume that it is of; unset: the first visible one */
     bool visible;           /**< pictures with measurements show it */
+    vv_object *region;      /**< vv_measured_region, never NULL */
 } vv_measurement;
 
 typedef struct vv_world {

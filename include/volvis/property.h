@@ -194,6 +194,28 @@ VV_API const vv_object *vv_path_object(const vv_object *root, const char *path);
 typedef bool vv_path_visit_fn(void *user, const char *path, const vv_property *property, const vv_object *owner);
 VV_API bool vv_path_each(const vv_object *root, vv_path_visit_fn *visit, void *user);
 
+/** One path that another stands for. What it returns but VV_OK ends vv_path_expand(), and is returned. */
+typedef vv_status vv_path_fn(void *user, const char *path);
+
+/**
+ * Every path that `path` stands for: a part `*` is each entry of a map or list ("volumes.*.visible"), and a number in a
+ * map the entry at that place, from 0 ("volumes.0.visible"). Other paths are told as they are, whether or not they lead
+ * anywhere. Edits that fn makes of the root do not change what is told.
+ *
+ * Errors   VV_E_ARGUMENT for a star elsewhere; VV_E_NOT_FOUND where there are no entries; VV_E_MEMORY; those of fn
+ */
+VV_API vv_status vv_path_expand(const vv_object *root, const char *path, vv_path_fn *fn, void *user);
+
+/**
+ * The row that a path leads to, by classes alone: "lights.ANY.intensity" needs no light of that name.
+ *
+ * cls_out  the class of the objects there, for objects, lists and maps; else NULL
+ * Errors   VV_E_NOT_FOUND with the nearest real name
+ * Owns     borrowed from the classes
+ */
+VV_API vv_status vv_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root,
+                             const char *path, const vv_property_context *context);
+
 /* JSON ---------------------------------------------------------------------------------------------------------- */
 
 /** Only what is set, keys in table order, numbers in the shortest form that reads back equal. Yours to free(). */

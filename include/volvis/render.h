@@ -1,5 +1,6 @@
 /** @file
- * One frame: a World snapshot, one of its views, the renderer that the view names.
+ * Pictures: a World snapshot, one of its views, the renderer that the view names. vv_render() makes one at a call; a
+ * vv_picture is made step by step, looked at on the way, saved, and gone on with by another process.
  */
 #ifndef VOLVIS_RENDER_H
 #define VOLVIS_RENDER_H
@@ -75,6 +76,79 @@ VV_API void vv_render_options_init(vv_render_options *options, size_t size);
  */
 VV_API vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view,
                            const vv_render_options *options, vv_job *job);
+
+/** A picture on its way. For one thread at a time. */
+typedef struct vv_picture vv_picture;
+
+/** How far vv_picture_step() goes: to what is reached first. Fill with vv_picture_until_init(), then change what you
+ * need; as it is, to the end. */
+typedef struct vv_picture_until {
+    size_t size;    /**< set by init: how much of this struct the caller knows */
+    double seconds; /**< no work is begun later, and what was begun (one tile, of some milliseconds) is done; a method
+                       that draws at once (triangles) and adaptive sampling are not broken off. 0: no limit */
+    int64_t passes; /**< rays through each pixel that there are to be; 0: no limit */
+    double noise;   /**< every pixel known as well as that, in units of render.noise, after at least three passes; for
+                       views that have a render.noise, which may be smaller. 0: no limit */
+    bool better;    /**< to the next picture that shows more: a finer level, or one pass more */
+} vv_picture_until;
+
+VV_API void vv_picture_until_init(vv_picture_until *until, size_t size);
+
+/**
+ * A picture of one view, without a ray yet: its data are read, and what the renderer needs is worked out.
+ *
+ * view     id in world.views; NULL: the first
+ * coarse   coarse pictures come first, for who looks while it is made; the last one is the same
+ * Errors   as of vv_render()
+ * Owns     *out is new and yours: vv_picture_free(). It keeps the World
+ * Threads  of the job; other calls for the picture take jobs of the same runtime
+ */
+VV_API vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bool coarse, vv_job *job);
+
+/**
+ * Go on with it. In which steps a picture is made, and on how many threads, changes nothing in it, unless a budget of
+ * time ends it.
+ *
+ * until    NULL: to the end
+ * Errors   VV_E_CANCELLED within 50 ms; VV_E_ARGUMENT (noise of a view without); VV_E_MEMORY, those of reading. What
+ *          was gathered stays, and another step goes on
+ */
+VV_API vv_status vv_picture_step(vv_picture *picture, const vv_picture_until *until, vv_job *job);
+/** Whether it is done: further steps do nothing. */
+VV_API bool vv_picture_is_whole(const vv_picture *picture);
+/** How much of it is done, 0 to 1, of what it may need at most: noise and time may end it before. */
+VV_API double vv_picture_done(const vv_picture *picture);
+/** What there is to look at: -1 at most parts; 0, 1 and 2 as vv_refinement.level. */
+VV_API int vv_picture_level(const vv_picture *picture);
+
+/**
+ * What it looks like now, over the background and with decorations: the image that vv_render() returns, once it is
+ * whole. Pixels that have no ray yet show the background.
+ *
+ * Owns     *out is new and yours
+ * Cost     a copy of the image
+ */
+VV_API vv_status vv_picture_look(vv_image **out, vv_picture *picture, vv_job *job);
+/** What it took until now. What came from a checkpoint is counted with it. */
+VV_API void vv_picture_report(vv_render_report *out, const vv_picture *picture);
+
+/**
+ * Write what it has gathered to a file, which appears whole or not at all.
+ *
+ * Errors   VV_E_WRITE, VV_E_CANCELLED, VV_E_MEMORY, those of reading data, whose checksums are worked out once
+ * Cost     16 to 60 bytes a pixel on the disk
+ */
+VV_API vv_status vv_picture_save(const vv_picture *picture, const char *path, vv_job *job);
+
+/**
+ * Take up what was saved: the picture goes on from there, and ends with the same bytes as without the break.
+ *
+ * Errors   VV_E_NOT_FOUND: there is no such file; VV_E_ARGUMENT: it was saved of a picture that depends on something
+ *          else (its data, its view, what is seen, the kernels, the version of VolVis); VV_E_FORMAT: it is none, cut or
+ *          damaged. The picture is as it was then
+ */
+VV_API vv_status vv_picture_resume(vv_picture *picture, const char *path, vv_job *job);
+VV_API void vv_picture_free(vv_picture *picture); /* NULL is fine */
 
 /** A named transfer function or colour map. */
 typedef struct vv_preset {

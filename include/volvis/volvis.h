@@ -3,7 +3,9 @@
  */
 #ifndef VOLVIS_VOLVIS_H
 #define VOLVIS_VOLVIS_H
+#include <volvis/about.h>
 #include <volvis/base.h>
+#include <volvis/compare.h>
 #include <volvis/field.h>
 #include <volvis/file.h>
 #include <volvis/image.h>
@@ -17,6 +19,7 @@
 #include <volvis/model.h>
 #include <volvis/operation.h>
 #include <volvis/pick.h>
+#include <volvis/preview.h>
 #include <volvis/property.h>
 #include <volvis/render.h>
 #include <volvis/run.h>

@@ -27,7 +27,7 @@ void vvi_places_finish(vvi_places *places)
 }
 
 /* Takes the descriptor, also when it fails. */
-static vv_status add(vv_runtime *runtime, const char *path, int folder)
+static vv_status add(vv_runtime *runtime, const char *path, int folder, bool trusted)
 {
     vvi_places *places = &runtime->places;
     char *copy = vvi_strdup(path);
@@ -35,7 +35,7 @@ static vv_status add(vv_runtime *runtime, const char *path, int folder)
     vvi_allowed_place *more = copy ? vvi_realloc_plain(places->place, (places->n + 1) * sizeof *more) : NULL;
     if (more) {
         places->place = more;
-        more[places->n++] = (vvi_allowed_place){copy, strlen(copy), folder};
+        more[places->n++] = (vvi_allowed_place){copy, strlen(copy), folder, trusted};
         places->confined |= folder >= 0;
     }
     pthread_mutex_unlock(&places->lock);
@@ -50,12 +50,17 @@ static vv_status add(vv_runtime *runtime, const char *path, int folder)
 vv_status vvi_runtime_confine(vv_runtime *runtime, const char *folder)
 {
     const int fd = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    return fd >= 0 ? add(runtime, folder, fd) : vv_fail_at(VV_E_READ, folder, NULL, "%s", strerror(errno));
+    return fd >= 0 ? add(runtime, folder, fd, false) : vv_fail_at(VV_E_READ, folder, NULL, "%s", strerror(errno));
 }
 
 vv_status vvi_runtime_give(vv_runtime *runtime, const char *file)
 {
-    return add(runtime, file, -1);
+    return add(runtime, file, -1, false);
+}
+
+vv_status vvi_runtime_trust(vv_runtime *runtime, const char *file)
+{
+    return add(runtime, file, -1, true);
 }
 
 vv_status vvi_runtime_distrust(vv_runtime *runtime, const char *folder)
@@ -68,6 +73,17 @@ vv_status vvi_runtime_distrust(vv_runtime *runtime, const char *folder)
     runtime->places.strange = copy;
     pthread_mutex_unlock(&runtime->places.lock);
     return VV_OK;
+}
+
+void vvi_runtime_distrust_all(vv_runtime *runtime)
+{
+    runtime->places.all_strange = true;
+}
+
+bool vvi_job_distrusts_all(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime && runtime->places.all_strange;
 }
 
 bool vvi_job_confined(const vv_job *job)
@@ -104,6 +120,19 @@ int vvi_job_place(const vv_job *job, const char *real, bool beside, const char *
         }
     }
     pthread_mutex_unlock(&places->lock);
+    return found;
+}
+
+bool vvi_job_trusts(const vv_job *job, const char *real)
+{
+    vv_runtime *runtime = vv_job_runtime(job);
+    bool found = false;
+    if (!runtime)
+        return false;
+    pthread_mutex_lock(&runtime->places.lock);
+    for (size_t i = 0; i < runtime->places.n && !found; i++)
+        found = runtime->places.place[i].trusted && strcmp(runtime->places.place[i].path, real) == 0;
+    pthread_mutex_unlock(&runtime->places.lock);
     return found;
 }
 

@@ -147,6 +147,17 @@ void vvi_job_keep_fills(vv_job *job)
         job->keeps_fills = true;
 }
 
+void vvi_job_keep_existing(vv_job *job)
+{
+    if (job)
+        job->keeps_existing = true;
+}
+
+bool vvi_job_keeps_existing(const vv_job *job)
+{
+    return job && job->keeps_existing;
+}
+
 bool vvi_job_keeps_fills(const vv_job *job)
 {
     return job && job->keeps_fills;

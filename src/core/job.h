@@ -51,6 +51,10 @@ void vvi_job_tell_read(vv_job *job, const char *path);
 void vvi_job_keep_fills(vv_job *job);
 bool vvi_job_keeps_fills(const vv_job *job);
 
+/** What it writes takes the place of nothing that is there, not even of what appears meanwhile: VV_E_WRITE instead. */
+void vvi_job_keep_existing(vv_job *job);
+bool vvi_job_keeps_existing(const vv_job *job);
+
 /** The registry of the job's runtime; the built-in one for NULL. */
 const struct vv_registry *vvi_job_registry(const vv_job *job);
 bool vvi_job_allow_outside(const vv_job *job);

@@ -15,6 +15,7 @@ typedef struct loop {
     size_t n_items;
     atomic_size_t next;    /* the first item that nobody has taken */
     atomic_bool stop;      /* something failed: take no more */
+    atomic_bool crowded;   /* the limit had no room for another thread */
     _Atomic uint64_t done; /* with those of the stage's loops before */
 
     pthread_mutex_t lock; /* of the two below */
@@ -81,53 +82,69 @@ static void do_items(loop *l, void *scratch, int worker, bool tells)
     }
 }
 
-static void take_part(loop *l, int worker)
+/* Helpers for whom the limit leaves no room stay away: the thread whose loop it is does their part. */
+static bool begin_part(void **scratch, loop *l, int worker)
 {
-    const vvi_work *work = l->work;
-    const int outside = depth;
-    void *scratch = NULL;
-    depth += l->n_items > 1;
-    if (work->start && work->start(&scratch, l->shared, worker) != VV_OK) {
+    *scratch = NULL;
+    const vv_status st = l->work->start ? l->work->start(scratch, l->shared, worker) : VV_OK;
+    if (st == VV_E_LIMIT && worker > 0)
+        atomic_store(&l->crowded, true);
+    else if (st != VV_OK)
         record_failure(l, l->n_items);
-    } else {
+    return st == VV_OK;
+}
+
+static void offer(loop *l)
+{
+    vv_runtime *runtime = vv_job_runtime(l->job);
+    vvi_pool_offer(&runtime->pool, &l->call, runtime->threads - 1, l->n_items - 1);
+}
+
+/* Helpers are asked for once the thread whose loop it is has its scratch: it cannot do without. */
+static void take_part(loop *l, int worker, bool offers)
+{
+    const int outside = depth;
+    void *scratch;
+    depth += l->n_items > 1;
+    if (begin_part(&scratch, l, worker)) {
+        if (offers)
+            offer(l);
         do_items(l, scratch, worker, outside == 0);
-        if (work->finish)
-            work->finish(scratch, l->shared);
+        if (l->work->finish)
+            l->work->finish(scratch, l->shared);
+        if (offers)
+            vvi_pool_withdraw(&vv_job_runtime(l->job)->pool, &l->call);
     }
     depth = outside;
 }
 
 /* With one rounding mode and no flushing of denormals, whatever the thread had before: the threads of a loop come from
  * different places, and the results must not tell which. */
-static void take_part_in_default_arithmetic(loop *l, int worker)
+static void take_part_in_default_arithmetic(loop *l, int worker, bool offers)
 {
     fenv_t before;
     fegetenv(&before);
     fesetenv(FE_DFL_ENV);
-    take_part(l, worker);
+    take_part(l, worker, offers);
     fesetenv(&before);
 }
 
 static bool wants_help(vvi_call *call)
 {
     const loop *l = (const loop *)call;
-    return !has_ended(l) && atomic_load(&l->next) < l->n_items;
+    return !has_ended(l) && !atomic_load(&l->crowded) && atomic_load(&l->next) < l->n_items;
 }
 
 static void help(vvi_call *call, int worker)
 {
-    take_part_in_default_arithmetic((loop *)call, worker);
+    take_part_in_default_arithmetic((loop *)call, worker, false);
 }
 
 static void run(loop *l)
 {
     vv_runtime *runtime = vv_job_runtime(l->job);
     const bool alone = !runtime || runtime->threads == 1 || l->n_items == 1 || depth > 0;
-    if (!alone)
-        vvi_pool_offer(&runtime->pool, &l->call, runtime->threads - 1, l->n_items - 1);
-    take_part_in_default_arithmetic(l, 0);
-    if (!alone)
-        vvi_pool_withdraw(&runtime->pool, &l->call);
+    take_part_in_default_arithmetic(l, 0, !alone);
 }
 
 vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items)

@@ -33,7 +33,8 @@ static const bool may_map = false;
 static const bool may_map = true;
 #endif
 
-/* Why this thread's last vvi_alloc gave nothing; limit 0: the system had none. For vv_fail_memory(). */
+/* Why this thread's last vvi_alloc that gave nothing did so; limit 0: the system had none. For vv_fail_memory(), whose
+ * callers may have asked for several blocks before they look at what they got. */
 static _Thread_local struct {
     size_t bytes;
     uint64_t limit, used;
@@ -50,9 +51,8 @@ static bool refuse(size_t bytes, uint64_t limit, uint64_t used)
 vv_status vv_fail_memory(size_t bytes)
 {
     char need[32], limit[32], used[32];
-    /* callers count a text without its end, or an array without its head */
-    const bool by_limit = refused.limit > 0 && refused.bytes >= bytes && refused.bytes - bytes <= 64;
-    vvi_print_bytes(need, bytes);
+    const bool by_limit = refused.limit > 0;
+    vvi_print_bytes(need, by_limit && refused.bytes > bytes ? refused.bytes : bytes);
     vvi_print_bytes(limit, refused.limit);
     vvi_print_bytes(used, refused.used);
     refused.limit = 0;
@@ -204,15 +204,19 @@ static void *allocate(vv_job *job, size_t bytes, vvi_memory_tag tag, bool zeroed
 {
     vv_runtime *runtime = vv_job_runtime(job);
     const size_t total = total_bytes(bytes);
-    refuse(bytes, 0, 0);
+    if (total == 0)
+        refuse(bytes, 0, 0);
     if (total == 0 || !admit(runtime, bytes, total, tag))
         return NULL;
     header *h = take_block(runtime, total, zeroed);
     if (!h) {
+        refuse(bytes, 0, 0);
         if (runtime)
             uncount(runtime, total, tag);
         return NULL;
     }
+    if (bytes >= refused.bytes)
+        refused.limit = 0; /* there is room again */
     if (runtime)
         vvi_runtime_hold(runtime);
     *h = (header){LIVE, runtime, bytes, total, tag, is_mapped(total)};
@@ -254,14 +258,14 @@ static void *resize_map(header *h, size_t bytes, size_t total)
     const size_t old_total = h->total;
     const vvi_memory_tag tag = h->tag;
     vv_runtime *runtime = h->runtime;
-    refuse(bytes, 0, 0);
     if (total > old_total && !admit(runtime, bytes, total - old_total, tag))
         return NULL;
     header *moved = vvi_alloc_fails() ? NULL : vvi_os_remap(h, old_total, total);
     if (moved) {
         moved->bytes = bytes;
         moved->total = total;
-    }
+    } else
+        refuse(bytes, 0, 0);
     const size_t least = old_total < total ? old_total : total, most = old_total < total ? total : old_total;
     const bool grew_in_vain = !moved && total > old_total, shrank = moved && total < old_total;
     if (runtime && (grew_in_vain || shrank))

@@ -86,6 +86,7 @@ struct vv_job {
     atomic_bool damaged;
     bool urgent;
     bool keeps_fills;         /**< vvi_job_keep_fills() */
+    bool keeps_existing;      /**< vvi_job_keep_existing() */
     _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */
     _Atomic uint64_t cleared; /**< the folder that was cleared of temporary files last, hashed */
     atomic_int hushed;

@@ -1,11 +1,13 @@
 /* Add noise: what detectors add to values, from a generator without a state: the noise of a sample depends on the seed
  * and the number of the sample alone. */
 #include "core/cpu.h"
+#include "core/findings.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/amounts.h"
 #include "filter/normals_kernel.h"
 #include "grid/making.h"
+#include "grid/percentile.h"
 #include "registry.h"
 
 #include <math.h>
@@ -14,12 +16,15 @@
 #define ITEM_SAMPLES ((int64_t)1 << 14)
 #define ROW 512 /* normal numbers that are made at once */
 #define TWO_PI 6.283185307179586
+#define SHARE 0.05 /* of the range of values, that sigma is by itself */
 
 typedef struct add_noise_params {
     vv_object object;
     int kind;
     double sigma, counts, fraction, pepper, salt;
     int64_t seed;
+    bool settled; /* no property: see settle() */
+    double found; /* sigma, of all samples */
 } add_noise_params;
 
 enum { ROW_KIND, ROW_SIGMA, ROW_COUNTS, ROW_FRACTION, ROW_PEPPER, ROW_SALT, ROW_SEED };
@@ -33,7 +38,8 @@ static const vv_property properties[] = {
          .doc = "gaussian; poisson: of counts, whose variance is their mean; salt-and-pepper: some samples "
                 "become the smallest or the largest value; rician: of the magnitude of a complex number, as in MR"},
     [ROW_SIGMA] = {VV_PROP(add_noise_params, sigma), .kind = VV_KIND_F64, .unit = "value", .limited = true, .min = 0,
-                   .max = 1e300, .def = 10, .when = "kind=gaussian|rician",
+                   .max = 1e300, .when = "kind=gaussian|rician",
+                   .automatic = "5 % of the range of values, from the 0.1 to the 99.9 percentile",
                    .doc = "standard deviation; of rician noise that of each part of the complex number"},
     [ROW_COUNTS] = {VV_PROP(add_noise_params, counts), .kind = VV_KIND_F64, .limited = true, .min = 1e-9, .max = 1e9,
                     .def = 1, .when = "kind=poisson",
@@ -146,11 +152,74 @@ static double next_counts(double mean, draws *d)
     return floor(mean + sqrt(mean) * normals[0] + 0.5);
 }
 
+/* Sigma ------------------------------------------------------------------------------------------------------------ */
+
+static bool looks(const vv_object *params)
+{
+    const add_noise_params *p = (const add_noise_params *)params;
+    return (p->kind == GAUSSIAN || p->kind == RICIAN) && !(params->set >> ROW_SIGMA & 1);
+}
+
+/* Of the channel where that is widest. What nearly all samples share is all of it, where so few differ. */
+static vv_status widen_range(double *range, const vv_field *field, vv_job *job)
+{
+    static const double most[] = {0.1, 99.9}, all[] = {0, 100};
+    double ends[2];
+    vv_status st = VV_OK;
+    for (int c = 0; c < vv_field_get_info(field)->components && st == VV_OK; c++) {
+        if ((st = vvi_field_percentiles(ends, most, field, c, job)) == VV_OK && ends[0] == ends[1])
+            st = vvi_field_percentiles(ends, all, field, c, job);
+        if (st == VV_OK)
+            *range = fmax(*range, fabs(ends[1] - ends[0])); /* NaN, of no finite sample, is left out */
+    }
+    return st;
+}
+
+static vv_status take_share(double *out, double range, vv_job *job)
+{
+    *out = SHARE * range;
+    if (!(*out > 0))
+        return vv_fail(VV_E_ARGUMENT, "add-noise: all values are the same, and say nothing of how much noise is much: "
+                                      "give a --sigma");
+    vvi_find_number(job, "sigma", *out);
+    vvi_find_phrase(job, "sigma %.4g", *out);
+    return VV_OK;
+}
+
+/* One for all time steps. */
+static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job *job)
+{
+    add_noise_params *p = (add_noise_params *)params;
+    double range = 0;
+    vv_status st = VV_OK;
+    for (size_t f = 0; f < fields->n && st == VV_OK; f++) {
+        vv_field *field = NULL;
+        if ((st = fields->open(&field, fields->user, f, job)) == VV_OK)
+            st = widen_range(&range, field, job);
+        vv_field_release(field);
+    }
+    if (st == VV_OK)
+        st = take_share(&p->found, range, job);
+    p->settled = st == VV_OK;
+    return st;
+}
+
+static vv_status find_sigma(double *out, const add_noise_params *p, const vv_field *in, vv_job *job)
+{
+    double range = 0;
+    *out = p->settled ? p->found : p->sigma;
+    if (p->settled || !looks(&p->object))
+        return VV_OK;
+    const vv_status st = widen_range(&range, in, job);
+    return st == VV_OK ? take_share(out, range, job) : st;
+}
+
 /* Samples ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct shared {
     vvi_making making;
     const add_noise_params *params;
+    double sigma;
     const vv_field_info *info;
     char pepper[8], salt[8];
     const vvi_normals_kernels *kernels;
@@ -199,7 +268,7 @@ static void finish(void *scratch, void *user)
 
 static void add_normals(double *values, const shared *s, uint64_t first, int64_t n)
 {
-    const double sigma = s->params->sigma;
+    const double sigma = s->sigma;
     double a[ROW + VVI_NORMALS_GUARD], b[ROW + VVI_NORMALS_GUARD];
     s->kernels->make(a, b, mixed_seed((uint64_t)s->params->seed), first, n);
     if (s->params->kind == GAUSSIAN)
@@ -285,6 +354,8 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     *out = NULL;
     if (st == VV_OK)
         st = find_ends(s.pepper, s.salt, info, s.params);
+    if (st == VV_OK)
+        st = find_sigma(&s.sigma, s.params, inputs[0], job);
     return st == VV_OK ? vvi_making_run(out, &s.making, info, box, box, &work, &s, job) : st;
 }
 
@@ -300,5 +371,7 @@ const vv_operation vvi_operation_add_noise = {
     .run_box = run_box,
     .plan = plan,
     .carry = vv_carry_values,
+    .looks = looks,
+    .settle = settle,
     .in_order = true,
 };

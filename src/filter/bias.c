@@ -47,10 +47,11 @@ static const vv_property properties[] = {
                        .def = 0.001,
                        .doc = "a level ends when an iteration changes the field by less, as a share of it"},
     [ROW_BLUR] = {VV_PROP(bias_params, blur), .kind = VV_KIND_F64, .limited = true, .min = 1e-6, .max = 10, .def = 0.15,
-                  .doc = "how far an iteration sharpens the histogram of natural logarithms: full width at half of its "
-                         "height of what blurs it"},
+                  .doc = "full width at half maximum of the Gaussian by which the field is taken to have blurred the "
+                         "histogram of natural logarithms: the wider, the more an iteration sharpens it"},
     [ROW_NOISE] = {VV_PROP(bias_params, noise), .kind = VV_KIND_F64, .limited = true, .min = 1e-12, .max = 1e3,
-                   .def = 0.01, .doc = "of Wiener's filter that sharpens it: greater values sharpen less"},
+                   .def = 0.01,
+                   .doc = "noise term of the Wiener filter that sharpens the histogram: more of it sharpens less"},
     [ROW_EVERY] = {VV_PROP(bias_params, every), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 64,
                    .automatic = "as many as give at most 262 144 samples",
                    .doc = "the field is found in every n-th sample along each axis"},
@@ -58,7 +59,9 @@ static const vv_property properties[] = {
                    .automatic = "without a mask those above Otsu's limit, else all",
                    .doc = "values above 0 that the field is found in, both ends included: 100..200, 100.. or ..200"},
     [ROW_OUTPUT] = {VV_PROP(bias_params, output), .kind = VV_KIND_ENUM, .names = output_names,
-                    .doc = "values over the field, or the field, whose logarithms have a mean of 0 where it was found"},
+                    .doc =
+                        "corrected: values divided by the field; field: the field, whose logarithms have a mean of 0 "
+                        "where it was found"},
     {0},
 };
 
@@ -491,7 +494,8 @@ static vv_status carry(vv_carry *carried, const vv_object *params)
 
 static const vv_operand inputs_taken[] = {
     {"volume", VV_IS_FIELD, 1, 1, "the volume that it works on"},
-    {"mask", VV_IS_FIELD, 0, 1, "where it is not 0 the field is found"},
+    {"mask", VV_IS_FIELD, 0, 1,
+     "the field is found where this volume on the same grid is not 0; best the tissue that matters"},
     {0},
 };
 
@@ -507,8 +511,10 @@ const vv_operation vvi_operation_bias = {
     .name = "bias",
     .component = "filter",
     .group = "values",
-    .doc = "take off a smooth field that has made parts of an MR or microscope image brighter than others (N4); each "
-           "channel separately",
+    .doc =
+        "take off a smooth field that has made parts of an MR or microscope image brighter than others (N4, Tustison "
+        "et al. 2010); each "
+        "channel separately",
     .example = "volvis bias head.nrrd -o even.nrrd --range 50.. --levels 3",
     .params = &bias_class,
     .inputs = inputs_taken,

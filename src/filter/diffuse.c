@@ -6,6 +6,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/coherence.h"
+#include "filter/diffuse_wave.h"
 #include "filter/noise.h"
 #include "filter/real_samples.h"
 #include "filter/smoothed_samples.h"
@@ -311,60 +312,63 @@ static vv_status find_edge(shared *s, const vv_field *in, const vv_object *param
     return st;
 }
 
-/* How many slices of the result are made at once, for the numbers to take a quarter of the memory at most. */
-static int64_t slices_at_once(const shared *s, const vv_box *reach, int64_t halo)
+/* Of all slices at once: their numbers before and after a step. */
+static vv_status diffuse_all(shared *s, const vv_field *in, int64_t iterations)
 {
-    const double slice = 2.0 * (double)row_bytes(s) * (double)reach->n[1];
-    const double room = s->job ? (double)vv_runtime_memory_limit(vv_job_runtime(s->job)) / 4 : INFINITY;
-    const double slices = floor(room / slice) - 2 * (double)halo;
-    return slices < 1 ? 1 : slices < (double)s->whole.n[2] ? (int64_t)slices : s->whole.n[2];
+    const size_t bytes =
+        row_bytes(s) * (size_t)(s->brick.box.n[1] * s->brick.box.n[2]) + VVI_SMOOTHING_GUARD * sizeof(double);
+    const vv_box reach = s->brick.box;
+    char *const room[2] = {vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH),
+                           vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH)};
+    vv_status st = room[0] && room[1] ? VV_OK : vv_fail_memory(bytes);
+    s->now = room[0];
+    s->next = room[1];
+    if (st == VV_OK && (st = vv_field_brick(&s->brick, in, &reach, s->job)) == VV_OK)
+        st = diffuse_slab(s, iterations);
+    vv_brick_release(&s->brick);
+    s->brick.box = reach;
+    vvi_free(room[0]);
+    vvi_free(room[1]);
+    return st;
 }
 
-static vv_status diffuse_part(shared *s, const vv_field *in, const vv_object *params, const double ratio[3],
-                              double step)
+/* The same, slice after slice, in less memory. */
+static vv_status diffuse_wave(const shared *s, const vv_field *in, int64_t iterations)
 {
-    const int64_t iterations = ((const diffuse_params *)params)->iterations;
-    const vv_box reach = s->brick.box;
-    vv_status st = vv_field_brick(&s->brick, in, &reach, s->job);
-    for (s->component = 0; s->component < s->info->components && st == VV_OK; s->component++)
-        if ((st = find_edge(s, in, params, ratio, step)) == VV_OK)
-            st = diffuse_slab(s, iterations);
-    vv_brick_release(&s->brick);
-    return st;
+    vvi_diffuse_wave w = {.in = in,
+                          .kernels = s->kernels,
+                          .rational = s->rational,
+                          .wide = s->wide,
+                          .component = s->component,
+                          .iterations = iterations,
+                          .box = s->whole,
+                          .out = s->out,
+                          .job = s->job};
+    memcpy(w.inverse, s->inverse, sizeof w.inverse);
+    memcpy(w.rate, s->rate, sizeof w.rate);
+    const vv_status st = vvi_memory_plan(s->job, (uint64_t)fmin(vvi_diffuse_wave_bytes(&w), 1e18), "diffuse");
+    return st == VV_OK ? vvi_diffuse_wave_run(&w) : st;
+}
+
+/* The numbers of all slices may take a quarter of the memory. */
+static bool fits(const shared *s)
+{
+    const double room = s->job ? (double)vv_runtime_memory_limit(vv_job_runtime(s->job)) / 4 : INFINITY;
+    return 2 * (double)row_bytes(s) * (double)s->brick.box.n[1] * (double)s->brick.box.n[2] <= room;
 }
 
 static vv_status diffuse(shared *s, const vv_field *in, const vv_object *params)
 {
     const int64_t iterations = ((const diffuse_params *)params)->iterations, *dims = s->info->grid.dims;
     const int64_t halo[3] = {dims[0] > 1 ? iterations : 0, dims[1] > 1 ? iterations : 0, dims[2] > 1 ? iterations : 0};
-    const vv_box all = vvi_window_reach(&s->whole, halo, dims);
     double ratio[3], step;
-    size_t bytes;
     vv_status st = step_of(&step, ratio, s->info, params);
-    s->row_n = (all.n[0] + VVI_SMOOTHING_STEP - 1) / VVI_SMOOTHING_STEP * VVI_SMOOTHING_STEP;
-    const int64_t at_once = slices_at_once(s, &all, halo[2]);
-    const int64_t most = at_once + 2 * halo[2] < all.n[2] ? at_once + 2 * halo[2] : all.n[2];
-    if (st != VV_OK ||
-        (st = vvi_mul3_size(&bytes, (size_t)(all.n[1] * most), (size_t)s->row_n, vvi_reals_bytes(s->wide))) != VV_OK)
-        return st;
-    const size_t guard = VVI_SMOOTHING_GUARD * sizeof(double);
-    if ((st = vvi_memory_plan(s->job, 2 * (uint64_t)(bytes + guard), "diffuse")) != VV_OK)
-        return st;
-    char *const room[2] = {vvi_alloc_zeroed(s->job, bytes + guard, VVI_MEM_SCRATCH),
-                           vvi_alloc_zeroed(s->job, bytes + guard, VVI_MEM_SCRATCH)};
-    if (!room[0] || !room[1])
-        st = vv_fail_memory(bytes + guard);
-    s->now = room[0];
-    s->next = room[1];
-    for (int64_t k = 0; k < s->whole.n[2] && st == VV_OK; k += at_once) {
-        s->box = s->whole;
-        s->box.lo[2] += k;
-        s->box.n[2] = s->whole.n[2] - k < at_once ? s->whole.n[2] - k : at_once;
-        s->brick.box = vvi_window_reach(&s->box, halo, dims);
-        st = diffuse_part(s, in, params, ratio, step);
-    }
-    vvi_free(room[0]);
-    vvi_free(room[1]);
+    s->brick.box = vvi_window_reach(&s->whole, halo, dims);
+    s->box = s->whole;
+    s->row_n = (s->brick.box.n[0] + VVI_SMOOTHING_STEP - 1) / VVI_SMOOTHING_STEP * VVI_SMOOTHING_STEP;
+    for (s->component = 0; s->component < s->info->components && st == VV_OK; s->component++)
+        if ((st = find_edge(s, in, params, ratio, step)) == VV_OK)
+            st = iterations == 0 || fits(s) ? diffuse_all(s, in, iterations) : diffuse_wave(s, in, iterations);
     return st;
 }
 

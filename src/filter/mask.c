@@ -89,10 +89,11 @@ typedef struct shared {
     vv_job *job;
 } shared;
 
+/* A row of labels or values, and behind them what is kept: a byte a sample. */
 static vv_status start(void **scratch_out, void *user, int worker)
 {
     const shared *s = user;
-    const size_t bytes = (size_t)s->making.slabs.step[0] * sizeof(vv_label_id);
+    const size_t bytes = (size_t)s->making.slabs.step[0] * (sizeof(vv_label_id) + 1);
     *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
     return *scratch_out ? VV_OK : vv_fail_memory(bytes);
 }
@@ -110,38 +111,72 @@ static bool has_label(const vv_numbers *labels, vv_label_id id)
     return false;
 }
 
-/* ids[i] becomes 1 where the mask has the sample, else 0. */
-static void find_labels(vv_label_id *ids, const shared *s, int64_t n)
+static void keep_labels(uint8_t *kept, const vv_label_id *ids, const shared *s, int64_t n)
 {
     vv_label_id last = 0;
-    bool kept = has_label(s->label, 0);
+    bool now = has_label(s->label, 0);
     for (int64_t i = 0; i < n; i++) {
         if (ids[i] != last) /* neighbours mostly have the same */
-            kept = has_label(s->label, last = ids[i]);
-        ids[i] = kept;
+            now = has_label(s->label, last = ids[i]);
+        kept[i] = now != s->invert;
     }
 }
 
-static void find_values(vv_label_id *inside, const shared *s, const vv_brick *mask, int component, int64_t j, int64_t k)
+static void keep_values(uint8_t *kept, double *v, const shared *s, const vv_brick *mask, int component, int64_t j,
+                        int64_t k)
 {
-    const char *row = (const char *)mask->data + j * mask->stride[1] + k * mask->stride[2] +
-                      (size_t)component * vv_type_bytes(mask->type);
-    for (int64_t i = 0; i < mask->box.n[0]; i++) {
-        double v;
-        vvi_samples_to_f64(&v, row + i * mask->stride[0], mask->type, 1);
-        v = v * s->mask->value_scale + s->mask->value_offset;
-        inside[i] = v != 0 && !isnan(v);
+    const size_t each = vv_type_bytes(mask->type);
+    const int64_t n = mask->box.n[0];
+    const char *row = (const char *)mask->data + j * mask->stride[1] + k * mask->stride[2] + (size_t)component * each;
+    const bool packed = mask->stride[0] == (int64_t)each;
+    for (int64_t i = 0; i < n; i += packed ? n : 1)
+        vvi_samples_to_f64(v + i, row + i * mask->stride[0], mask->type, packed ? (size_t)n : 1);
+    for (int64_t i = 0; i < n; i++) {
+        const double value = v[i] * s->mask->value_scale + s->mask->value_offset;
+        kept[i] = (value < 0 || value > 0) != s->invert; /* NaN is not in it */
     }
 }
 
-static void write_row(char *out, const char *in, const shared *s, const vv_label_id *inside, int component, int64_t n)
+/* One number after the other, as gcc makes vectors of it. */
+#define SELECT(type)                                                                                                   \
+    {                                                                                                                  \
+        type v, other;                                                                                                 \
+        memcpy(&other, fill, sizeof other);                                                                            \
+        for (int64_t i = 0; i < n; i++) {                                                                              \
+            memcpy(&v, in + (size_t)i * sizeof v, sizeof v);                                                           \
+            v = kept[i] ? v : other;                                                                                   \
+            memcpy(out + (size_t)i * sizeof v, &v, sizeof v);                                                          \
+        }                                                                                                              \
+        break;                                                                                                         \
+    }
+
+static void select_numbers(char *restrict out, const char *restrict in, const char *fill, const uint8_t *restrict kept,
+                           size_t each, int64_t n)
+{
+    switch (each) {
+    case 1:
+        SELECT(uint8_t)
+    case 2:
+        SELECT(uint16_t)
+    case 4:
+        SELECT(uint32_t)
+    default:
+        SELECT(uint64_t)
+    }
+}
+
+static void write_row(char *out, const char *in, const shared *s, const uint8_t *kept, int component, int64_t n)
 {
     const bool each_alone = s->mask->components > 1;
     const size_t each = vv_type_bytes(s->info->type), sample = each * (size_t)s->info->components;
     const size_t bytes = each_alone ? each : sample, first = (size_t)component * each;
+    if (sample == each) {
+        select_numbers(out, in, s->fill, kept, each, n);
+        return;
+    }
     for (int64_t i = 0; i < n; i++) {
         char *at = out + (size_t)i * sample + first;
-        if ((inside[i] != 0) != s->invert)
+        if (kept[i])
             memcpy(at, in + (size_t)i * sample + first, bytes);
         else
             vvi_fill_numbers(at, s->fill, each, (int64_t)(bytes / each));
@@ -155,6 +190,7 @@ static vv_status item(void *scratch, void *user, size_t index)
     const vv_brick brick = vvi_brick_part(&s->making.brick, &box),
                    mask = vvi_brick_part(&s->making.more_bricks[0], &box);
     const size_t sample = vv_type_bytes(s->info->type) * (size_t)s->info->components;
+    uint8_t *kept = (uint8_t *)scratch + (size_t)s->making.slabs.step[0] * sizeof(vv_label_id);
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
             const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
@@ -162,11 +198,11 @@ static vv_status item(void *scratch, void *user, size_t index)
             for (int c = 0; c < s->mask->components; c++) {
                 if (s->label) {
                     vvi_label_read(scratch, &mask, c, s->mask, j, k);
-                    find_labels(scratch, s, box.n[0]);
+                    keep_labels(kept, scratch, s, box.n[0]);
                 } else {
-                    find_values(scratch, s, &mask, c, j, k);
+                    keep_values(kept, scratch, s, &mask, c, j, k);
                 }
-                write_row(out, in, s, scratch, c, box.n[0]);
+                write_row(out, in, s, kept, c, box.n[0]);
             }
         }
     return VV_OK;

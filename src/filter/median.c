@@ -198,7 +198,7 @@ const vv_operation vvi_operation_median = {
     .name = "median",
     .component = "filter",
     .group = "smoothing",
-    .doc = "the middle value of a box around each sample: noise goes, edges stay; beyond the border are the values of "
+    .doc = "the median of a box around each sample: noise goes, edges stay; beyond the border are the values of "
            "the border; each channel separately",
     .example = "volvis median head.nrrd -o clean.nrrd --radius 1.5mm",
     .params = &median_class,

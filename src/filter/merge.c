@@ -135,10 +135,24 @@ static void finish(void *scratch, void *user)
     vvi_free(scratch);
 }
 
-static void copy_row(char *out, size_t out_step, const char *in, size_t in_step, size_t each, int64_t n)
+#define COPY(bytes)                                                                                                    \
+    for (int64_t i = 0; i < n; i++)                                                                                    \
+        memcpy(out + (size_t)i * out_step, in + (size_t)i * in_step, bytes);                                           \
+    break
+
+static void copy_row(char *restrict out, size_t out_step, const char *restrict in, size_t in_step, size_t each,
+                     int64_t n)
 {
-    for (int64_t i = 0; i < n; i++)
-        memcpy(out + (size_t)i * out_step, in + (size_t)i * in_step, each);
+    switch (each) { /* as numbers: else each is a call */
+    case 1:
+        COPY(1);
+    case 2:
+        COPY(2);
+    case 4:
+        COPY(4);
+    default:
+        COPY(8);
+    }
 }
 
 /* Whole numbers of a type that holds them. */

@@ -107,21 +107,22 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
     }
 
 MORPHOLOGY(dilate, 1, false,
-           "the greatest value of an element around each sample: what is bright grows; labels grow over what has none, "
-           "where several come the nearest has it; beyond the border nothing counts",
+           "the greatest value under a structuring element around each sample: what is bright grows; labels grow over "
+           "what has none, where several come the nearest has it; beyond the border nothing counts",
            "volvis dilate cells.nrrd -o larger.nrrd --radius 2vox");
 MORPHOLOGY(erode, 1, true,
-           "the least value of an element around each sample: what is bright shrinks; labels stay where they fill the "
-           "element; beyond the border nothing counts",
+           "the least value under a structuring element around each sample: what is bright shrinks; labels stay where "
+           "they fill the element; beyond the border nothing counts",
            "volvis erode cells.nrrd -o smaller.nrrd --radius 2vox");
 MORPHOLOGY(
     open, 2, true,
-    "erode, then dilate: what is bright, or has a label, and is narrower than the element goes, and the rest stays",
+    "erode, then dilate: what is bright, or has a label, and is narrower than the structuring element goes, and the "
+    "rest stays",
     "volvis open cells.nrrd -o clean.nrrd --radius 1.5vox");
 MORPHOLOGY(
     close, 2, false,
-    "dilate, then erode: gaps and holes that are narrower than the element are closed, of each label by itself, and "
-    "the rest stays",
+    "dilate, then erode: gaps and holes that are narrower than the structuring element are closed, of each label by "
+    "itself, and the rest stays",
     "volvis close cells.nrrd -o whole.nrrd --radius 1.5vox");
 
 static const vv_class top_hat_class = {
@@ -248,8 +249,8 @@ const vv_operation vvi_operation_top_hat = {
     .name = "top-hat",
     .component = "filter",
     .group = "morphology",
-    .doc = "how far each sample is above what `open` makes of it: what is bright and smaller than the element, without "
-           "its surroundings; with --dark how far it is below what `close` makes of it",
+    .doc = "how far each sample is above what `open` makes of it: what is bright and smaller than the structuring "
+           "element, without its surroundings; with --dark how far it is below what `close` makes of it",
     .example = "volvis top-hat head.nrrd -o thin.nrrd --radius 3mm",
     .params = &top_hat_class,
     .inputs = VV_ONE_VOLUME,

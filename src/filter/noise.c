@@ -5,8 +5,11 @@
 #include "filter/real_samples.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { SAMPLES_MOST = 1 << 20, SLICES_MOST = 16 };
+enum { DIGIT = 16, DIGITS = 1 << DIGIT, LISTED = 1 << 15 };
 #define NORMAL 1.482602218505602 /* of a normal distribution: standard deviation over median size */
 
 typedef struct request {
@@ -14,52 +17,49 @@ typedef struct request {
     int component;
 } request;
 
+/* The median is found digit by digit, the highest first: as numbers of 64 bits positive doubles have their own order.
+ * One look at the samples counts the digits of those that begin as the median does; once these are few, they are
+ * listed. So it takes little memory, and looks twice or three times. */
 typedef struct looker {
     const vv_field *field;
     const vv_field_info *info;
     int component;
     bool along[3]; /* axes with neighbours to both sides */
     int64_t stride[3];
-    double *size; /* of the differences that are there */
-    size_t n, most;
-    double *reals; /* three slices */
+    uint64_t begins; /* the digits that are known, above `shift` */
+    int shift;       /* bits that are not known; 64: none are */
+    size_t n;        /* sizes that begin so */
+    uint64_t least, largest;
+    uint32_t *count; /* of each next digit; NULL: they are listed */
+    uint64_t *list;
+    double *reals; /* a row and those around it */
 } looker;
 
-static void swap(double *a, double *b)
+static int in_order(const void *a, const void *b)
 {
-    const double t = *a;
-    *a = *b;
-    *b = t;
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
 }
 
-/* The k-th smallest (Hoare 1961). */
-static double select_rank(double *v, size_t n, size_t k)
+static void note(looker *l, double size)
 {
-    size_t lo = 0, hi = n - 1;
-    while (lo < hi) {
-        const double pivot = v[lo + (hi - lo) / 2];
-        size_t i = lo, j = hi;
-        for (;; i++, j--) {
-            while (v[i] < pivot)
-                i++;
-            while (pivot < v[j])
-                j--;
-            if (i >= j)
-                break;
-            swap(&v[i], &v[j]);
-        }
-        if (k <= j)
-            hi = j;
-        else
-            lo = j + 1;
-    }
-    return v[k];
+    uint64_t bits;
+    memcpy(&bits, &size, sizeof bits);
+    if (l->shift < 64 && bits >> l->shift != l->begins)
+        return;
+    l->least = bits < l->least ? bits : l->least;
+    l->largest = bits > l->largest ? bits : l->largest;
+    if (l->count)
+        l->count[bits >> (l->shift - DIGIT) & (DIGITS - 1)]++;
+    else
+        l->list[l->n] = bits;
+    l->n++;
 }
 
 static void look_at_row(looker *l, const double *row, int64_t n)
 {
     const int64_t margin = l->along[0];
-    for (int64_t i = margin; i < n - margin && l->n < l->most; i++) {
+    for (int64_t i = margin; i < n - margin; i++) {
         double sum = 0;
         int axes = 0;
         for (int a = 0; a < 3; a++)
@@ -69,7 +69,7 @@ static void look_at_row(looker *l, const double *row, int64_t n)
             }
         const double size = fabs(row[i] - sum / axes);
         if (size > 0 && isfinite(size))
-            l->size[l->n++] = size;
+            note(l, size);
     }
 }
 
@@ -82,46 +82,95 @@ static vv_status look_at_slice(looker *l, int64_t k, int64_t rows_apart, vv_job 
     vv_status st = vv_field_brick(&brick, l->field, &box, job);
     if (st != VV_OK)
         return st;
-    vvi_reals_of_box(l->reals, true, &brick, &box, (int64_t[3]){0, 0, 0}, l->component);
-    vv_brick_release(&brick);
     for (int64_t j = margin_y; j < d[1] - margin_y && st == VV_OK; j += rows_apart) {
-        look_at_row(l, l->reals + margin * l->stride[2] + j * l->stride[1], d[0]);
+        const vv_box around = {{0, j - margin_y, box.lo[2]}, {d[0], 1 + 2 * margin_y, box.n[2]}};
+        vvi_reals_of_box(l->reals, true, &brick, &around, (int64_t[3]){0, 0, 0}, l->component);
+        look_at_row(l, l->reals + margin * l->stride[2] + margin_y * l->stride[1], d[0]);
         st = vvi_job_poll(job);
     }
+    vv_brick_release(&brick);
     return st;
 }
 
-static vv_status look(double *out, looker *l, vv_job *job)
+static vv_status look(looker *l, vv_job *job)
 {
     const int64_t *d = l->info->grid.dims, margin = l->along[2], inner = d[2] - 2 * margin;
     const int64_t slices = inner < SLICES_MOST ? inner : SLICES_MOST, all = slices * d[0] * d[1];
-    int axes = 0;
     vv_status st = VV_OK;
+    l->n = 0;
+    l->least = UINT64_MAX;
+    l->largest = 0;
+    for (int64_t s = 0; s < slices && st == VV_OK; s++)
+        st = look_at_slice(l, margin + (2 * s + 1) * inner / (2 * slices), 1 + all / SAMPLES_MOST, job);
+    return st;
+}
+
+/* Goes on to the digit that the k-th size has, of those that begin so; *k: of those that begin with that too. */
+static void take_digit(looker *l, size_t *k)
+{
+    uint64_t digit = 0;
+    for (; *k >= l->count[digit]; digit++)
+        *k -= l->count[digit];
+    l->begins = (l->shift < 64 ? l->begins << DIGIT : 0) | digit;
+    l->shift -= DIGIT;
+    l->n = l->count[digit];
+}
+
+/* 0: there is none. */
+static vv_status find_median(double *out, looker *l, vv_job *job)
+{
+    vv_status st = look(l, job);
+    size_t k = l->n / 2;
+    *out = 0;
+    if (st != VV_OK || l->n == 0)
+        return st;
+    while (l->least < l->largest && l->count) {
+        take_digit(l, &k);
+        memset(l->count, 0, DIGITS * sizeof *l->count);
+        if (l->n <= LISTED || l->shift == 0) {
+            l->list = (uint64_t *)(void *)l->count;
+            l->count = NULL;
+        }
+        if (l->shift == 0)
+            l->least = l->largest = l->begins;
+        else if ((st = look(l, job)) != VV_OK)
+            return st;
+    }
+    if (l->least < l->largest) {
+        qsort(l->list, l->n, sizeof *l->list, in_order);
+        l->least = l->list[k];
+    }
+    memcpy(out, &l->least, sizeof *out);
+    return st;
+}
+
+static vv_status measure(double *out, looker *l, vv_job *job)
+{
+    int axes = 0;
     for (int a = 0; a < 3; a++)
         axes += l->along[a];
-    for (int64_t s = 0; s < slices && st == VV_OK && axes > 0; s++)
-        st = look_at_slice(l, margin + (2 * s + 1) * inner / (2 * slices), 1 + all / SAMPLES_MOST, job);
     *out = 0;
-    if (st == VV_OK && l->n > 0)
-        *out = NORMAL * select_rank(l->size, l->n, l->n / 2) * sqrt(2.0 * axes / (2 * axes + 1));
+    const vv_status st = axes > 0 ? find_median(out, l, job) : VV_OK;
+    if (axes > 0)
+        *out = NORMAL * *out * sqrt(2.0 * axes / (2 * axes + 1));
     return st;
 }
 
 static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
-    looker l = {.field = r->field, .info = vv_field_get_info(r->field), .component = r->component};
+    looker l = {.field = r->field, .info = vv_field_get_info(r->field), .component = r->component, .shift = 64};
     const int64_t *d = l.info->grid.dims;
     for (int a = 0; a < 3; a++)
         l.along[a] = d[a] > 2;
-    l.stride[0] = 1, l.stride[1] = d[0], l.stride[2] = d[0] * d[1];
-    l.most = (size_t)SAMPLES_MOST + SLICES_MOST * (size_t)d[0];
+    l.stride[0] = 1, l.stride[1] = d[0], l.stride[2] = d[0] * (l.along[1] ? 3 : 1);
     const size_t bytes = (size_t)l.stride[2] * (l.along[2] ? 3 : 1) * sizeof(double);
     double *value = vvi_alloc(job, sizeof *value, VVI_MEM_DERIVED);
-    l.size = vvi_alloc(job, l.most * sizeof(double), VVI_MEM_SCRATCH);
+    uint32_t *counts = vvi_alloc_zeroed(job, DIGITS * sizeof *counts, VVI_MEM_SCRATCH);
+    l.count = counts;
     l.reals = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
-    vv_status st = value && l.size && l.reals ? look(value, &l, job) : vv_fail_memory(bytes);
-    vvi_free(l.size);
+    vv_status st = value && counts && l.reals ? measure(value, &l, job) : vv_fail_memory(bytes);
+    vvi_free(counts);
     vvi_free(l.reals);
     if (st != VV_OK) {
         vvi_free(value);

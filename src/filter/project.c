@@ -397,24 +397,28 @@ static void make_row(scratch *own, const shared *s, int64_t j, int64_t k)
     write_row(own, st, s, j, k);
 }
 
+/* From row j on: those of one row stand behind those of the one before. */
 static state kept_state(const shared *s, int64_t j)
 {
     const size_t n = out_numbers(s), all = n * (size_t)s->part.n[1], row = n * (size_t)(j - s->part.lo[1]);
-    return (state){s->kept + row, s->kept + all + row, s->kept + 2 * all + row};
+    const size_t each = is_extreme(s) ? vv_type_bytes(s->in->type) : sizeof(double);
+    return (state){(double *)(void *)((char *)s->kept + row * each), s->kept + all + row, s->kept + 2 * all + row};
 }
 
 /* Some rows of all slices that there are now, slice by slice: a piece of each is read in one go. */
 static void add_slices(scratch *own, const shared *s, const vv_box *box)
 {
     const int64_t k = box->lo[2], first = box->lo[1], end = first + box->n[1];
-    for (int64_t j = first; j < end && s->first; j++) {
-        const state st = kept_state(s, j);
-        begin(&st, s, out_numbers(s));
-    }
+    const size_t n = row_numbers(s);
+    const bool joined = s->brick.stride[1] == (int64_t)(n * vv_type_bytes(s->in->type)); /* rows are one long row */
+    const int64_t rows = joined ? box->n[1] : 1;
+    const state all = kept_state(s, first);
+    if (s->first)
+        begin(&all, s, n * (size_t)box->n[1]);
     for (int64_t t = s->from; t < s->to; t++)
-        for (int64_t j = first; j < end; j++) {
+        for (int64_t j = first; j < end; j += rows) {
             const state st = kept_state(s, j);
-            add_row(&st, row_at(s, j, t), s, row_numbers(s));
+            add_row(&st, row_at(s, j, t), s, n * (size_t)rows);
         }
     for (int64_t j = first; j < end && s->last; j++) {
         const state st = kept_state(s, j);

@@ -38,10 +38,14 @@ static vvi_bins bins_of(const vv_statistics *s, const vv_field_info *info, bool 
     return (vvi_bins){lo, hi, lo < hi ? VVI_BINS_MOST : 1};
 }
 
+/* Without room for them they are counted alone. */
 static void put(vvi_ranks *r, double at, double up_to)
 {
-    r->at[r->n] = at;
-    r->up_to[r->n++] = up_to;
+    if (r->at) {
+        r->at[r->n] = at;
+        r->up_to[r->n] = up_to;
+    }
+    r->n++;
 }
 
 /* Empty bins have no points, but the lower end of the next one has. */
@@ -62,35 +66,44 @@ static void find_points(vvi_ranks *r, const vvi_bin_counts *counts, const vvi_bi
     }
 }
 
+static vv_status make_points(vvi_ranks **out, uint64_t *bytes_out, const vvi_bin_counts *counts, const vvi_bins *bins,
+                             bool whole, vv_job *job)
+{
+    vvi_ranks none = {0};
+    if (counts)
+        find_points(&none, counts, bins, whole);
+    const size_t bytes = sizeof(vvi_ranks) + 2 * none.n * sizeof(double);
+    vvi_ranks *r = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
+    if (!r)
+        return vv_fail_memory(bytes);
+    *r = (vvi_ranks){0, (double *)(void *)(r + 1), (double *)(void *)(r + 1) + none.n};
+    if (counts)
+        find_points(r, counts, bins, whole);
+    *out = r;
+    *bytes_out = bytes;
+    return VV_OK;
+}
+
 static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *q = user;
     vv_statistics s;
     vvi_bin_counts counts = {0};
     bool whole;
+    vvi_ranks *r = NULL;
     vv_status st = vv_field_statistics(&s, q->field, q->component, job);
     if (st != VV_OK)
         return st;
     const vvi_bins bins = bins_of(&s, vv_field_get_info(q->field), &whole);
-    const size_t most = 2 * (size_t)bins.n, bytes = sizeof(vvi_ranks) + 2 * most * sizeof(double);
-    vvi_ranks *r = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
-    if (!r)
-        return vv_fail_memory(bytes);
-    *r = (vvi_ranks){0, (double *)(void *)(r + 1), NULL};
-    r->up_to = r->at + most;
     if (s.count > 0 && (st = vvi_bin_counts_begin(&counts, &bins, job)) == VV_OK) {
         const vvi_pass pass = vvi_bin_counts_pass(&counts);
-        if ((st = vvi_pass_run(&pass, q->field, q->component, job)) == VV_OK)
-            find_points(r, &counts, &bins, whole);
+        st = vvi_pass_run(&pass, q->field, q->component, job);
     }
+    if (st == VV_OK)
+        st = make_points(&r, bytes_out, s.count > 0 ? &counts : NULL, &bins, whole, job);
     vvi_bin_counts_end(&counts);
-    if (st != VV_OK) {
-        vvi_free(r);
-        return st;
-    }
     *value_out = r;
-    *bytes_out = bytes;
-    return VV_OK;
+    return st;
 }
 
 vv_status vvi_ranks_of(vvi_ranks *out, void **held, const vv_field *field, int component, vv_job *job)

@@ -245,15 +245,31 @@ static size_t numbers_of_row(const shared *s)
     return (size_t)info->grid.dims[0] * (size_t)info->components;
 }
 
-/* A row of the input as it is, the sum of those that count, and a row of the result. */
+/* Of one worker. Rows of the input are summed along z once for each slice of the result, and then, as many of them as
+ * have a part in a row of it, along y. */
+typedef struct rows {
+    int64_t *place; /* by slot of the ring: slice of the result and row of the input that it holds; -1: none */
+    double *ring, *row, *sum, *made;
+} rows;
+
 static vv_status start(void **scratch_out, void *user, int worker)
 {
     (void)worker;
     const shared *s = user;
-    const size_t n = (size_t)s->making.slabs.box.n[0] * (size_t)vv_field_get_info(s->making.in)->components;
-    const size_t bytes = (2 * numbers_of_row(s) + n) * sizeof(double);
-    *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
-    return *scratch_out ? VV_OK : vv_fail_memory(bytes);
+    const size_t n = numbers_of_row(s), slots = s->nearest ? 0 : (size_t)s->axis[1].most;
+    const size_t made = (size_t)s->making.slabs.box.n[0] * (size_t)vv_field_get_info(s->making.in)->components;
+    const size_t bytes = sizeof(rows) + slots * sizeof(int64_t) + ((slots + 2) * n + made) * sizeof(double);
+    rows *r = *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
+    if (!r)
+        return vv_fail_memory(bytes);
+    r->place = (int64_t *)(r + 1);
+    r->ring = (double *)(r->place + slots);
+    r->row = r->ring + slots * n;
+    r->sum = r->row + n;
+    r->made = r->sum + n;
+    for (size_t i = 0; i < slots; i++)
+        r->place[i] = -1;
+    return VV_OK;
 }
 
 static void finish(void *scratch, void *user)
@@ -262,25 +278,40 @@ static void finish(void *scratch, void *user)
     vvi_free(scratch);
 }
 
-static void add_row(double *sum, double *row, const char *in, vv_type type, size_t n, double w)
+static void add_row(double *sum, const double *row, size_t n, double w)
 {
-    vvi_samples_to_f64(row, in, type, n);
     for (size_t i = 0; i < n; i++)
         sum[i] += w * row[i];
 }
 
-static void make_row(char *out, const shared *s, double *scratch, const vv_brick *brick, int64_t j, int64_t k)
+/* Row y of the input, along z as slice k of the result has it. */
+static const double *sum_along_z(rows *r, const shared *s, const vv_brick *brick, int64_t y, int64_t k)
 {
-    const vvi_resample_axis *ax = &s->axis[0], *ay = &s->axis[1], *az = &s->axis[2];
-    const size_t n = numbers_of_row(s), components = (size_t)brick->components;
-    double *row = scratch, *sum = row + n, *made = sum + n;
+    const vvi_resample_axis *az = &s->axis[2];
+    const size_t n = numbers_of_row(s);
+    const int64_t slot = y % s->axis[1].most, place = k * vv_field_get_info(s->making.in)->grid.dims[1] + y;
+    double *sum = r->ring + (size_t)slot * n;
+    if (r->place[slot] == place)
+        return sum;
+    const char *in = (const char *)brick->data + (y - brick->box.lo[1]) * brick->stride[1] +
+                     (az->first[k] - brick->box.lo[2]) * brick->stride[2];
     memset(sum, 0, n * sizeof *sum);
-    for (int c = 0; c < az->count[k]; c++)
-        for (int b = 0; b < ay->count[j]; b++) {
-            const int64_t y = ay->first[j] + b - brick->box.lo[1], z = az->first[k] + c - brick->box.lo[2];
-            const char *in = (const char *)brick->data + y * brick->stride[1] + z * brick->stride[2];
-            add_row(sum, row, in, brick->type, n, ay->w[j * ay->most + b] * az->w[k * az->most + c]);
-        }
+    for (int c = 0; c < az->count[k]; c++) {
+        vvi_samples_to_f64(r->row, in + c * brick->stride[2], brick->type, n);
+        add_row(sum, r->row, n, az->w[k * az->most + c]);
+    }
+    r->place[slot] = place;
+    return sum;
+}
+
+static void make_row(char *out, const shared *s, rows *r, const vv_brick *brick, int64_t j, int64_t k)
+{
+    const vvi_resample_axis *ax = &s->axis[0], *ay = &s->axis[1];
+    const size_t n = numbers_of_row(s), components = (size_t)brick->components;
+    double *sum = r->sum, *made = r->made;
+    memset(sum, 0, n * sizeof *sum);
+    for (int b = 0; b < ay->count[j]; b++)
+        add_row(sum, sum_along_z(r, s, brick, ay->first[j] + b, k), n, ay->w[j * ay->most + b]);
     for (int64_t i = 0; i < s->making.slabs.box.n[0]; i++) {
         const int64_t x = s->making.slabs.box.lo[0] + i;
         for (size_t c = 0; c < components; c++) {
@@ -314,7 +345,7 @@ static void take_row(char *out, const shared *s, const vv_brick *brick, int64_t 
         memcpy(out + (size_t)i * bytes, in + (size_t)ax->first[s->making.slabs.box.lo[0] + i] * bytes, bytes);
 }
 
-static void write_row(char *out, const shared *s, double *scratch, const vv_brick *brick, int64_t j, int64_t k)
+static void write_row(char *out, const shared *s, rows *scratch, const vv_brick *brick, int64_t j, int64_t k)
 {
     if (s->axis[1].count[j] == 0 || s->axis[2].count[k] == 0) {
         fill_samples(out, s, s->making.slabs.box.n[0]);

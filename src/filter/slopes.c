@@ -285,8 +285,10 @@ const vv_operation vvi_operation_gradient = {
     .name = "gradient",
     .component = "filter",
     .group = "edges",
-    .doc = "how steep values are, per world length, by central differences; with --vector which way they rise; each "
-           "channel separately",
+    .doc =
+        "the length of the gradient: how steep values are, per world length, by central differences; with --vector the "
+        "gradient itself; each "
+        "channel separately",
     .example = "volvis gradient head.nrrd -o edges.nrrd --sigma 1mm",
     .params = &gradient_class,
     .inputs = VV_ONE_VOLUME,

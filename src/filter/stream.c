@@ -7,6 +7,7 @@ typedef struct stream {
     const vv_operation *operation;
     vv_object *params;
     vv_field *whole; /* of an operation that knows no boxes, once it has run */
+    void *found;     /* by the passes of one that has them */
     size_t n_inputs;
     vv_field *inputs[];
 } stream;
@@ -14,6 +15,8 @@ typedef struct stream {
 static void drop(void *user)
 {
     stream *s = user;
+    if (s->found)
+        s->operation->passes->drop(s->found);
     for (size_t i = 0; i < s->n_inputs; i++)
         vv_field_release(s->inputs[i]);
     vv_field_release(s->whole);
@@ -27,8 +30,9 @@ static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job
     const vv_field *const *inputs = (const vv_field *const *)s->inputs;
     *out = NULL;
     vv_status st = VV_OK;
-    if (s->operation->run_box) {
-        st = s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
+    if (s->operation->run_box || s->found) {
+        st = s->found ? s->operation->passes->make(out, s->found, inputs, s->n_inputs, s->params, box, job)
+                      : s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
         return vvi_operation_check(out, inputs, s->n_inputs, st);
     }
     /* boxes are slabs of whole slices here: see the pool */
@@ -68,7 +72,9 @@ vv_status vvi_operation_stream(vv_field **out, const vv_operation *operation, co
     for (size_t i = 0; i < n_inputs; i++)
         s->inputs[i] = inputs[i] ? vv_field_retain(inputs[i]) : NULL;
     vv_field_info info;
-    const vv_status st = find_info(&info, s, job);
+    vv_status st = find_info(&info, s, job);
+    if (st == VV_OK && operation->passes)
+        st = operation->passes->find(&s->found, inputs, n_inputs, params, job);
     if (st != VV_OK) {
         drop(s);
         return st;

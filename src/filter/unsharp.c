@@ -131,7 +131,8 @@ const vv_operation vvi_operation_unsharp = {
     .name = "unsharp",
     .component = "filter",
     .group = "edges",
-    .doc = "sharpen: add what a Gaussian takes away once more; rounded, and held within the range of the type; each "
+    .doc = "sharpen (unsharp masking): add what a Gaussian takes away once more; rounded, and held within the range of "
+           "the type; each "
            "channel separately",
     .example = "volvis unsharp head.nrrd -o sharp.nrrd --sigma 1mm --amount 0.5",
     .params = &unsharp_class,

@@ -366,7 +366,8 @@ const vv_operation vvi_operation_vesselness = {
     .name = "vesselness",
     .component = "filter",
     .group = "edges",
-    .doc = "how much of a tube is at each sample, from the second derivatives at several scales (Frangi); each channel "
+    .doc = "how much of a tube is at each sample, from the second derivatives at several scales (Frangi et al. 1998); "
+           "each channel "
            "separately",
     .example = "volvis vesselness head.nrrd -o vessels.nrrd --sigma 1mm --sigma-most 3mm",
     .params = &vesselness_class,

@@ -17,7 +17,9 @@ typedef struct slab {
 struct vvi_lazy_pool {
     _Atomic uint32_t refs;
     pthread_mutex_t lock; /* also held while a slab is made: neighbours that wait then find it */
-    uint64_t slab_bytes, clock;
+    uint64_t most_bytes, least_bytes, clock;
+    uint64_t slab_bytes; /* now, between the two */
+    bool alone;          /* there is room for one slab at a time */
     slab slabs[SLABS_KEPT];
 };
 
@@ -29,7 +31,7 @@ typedef struct lazy {
     atomic_bool damaged; /* a slab was, when a brick of it went */
 } lazy;
 
-vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, vv_job *job)
+vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, uint64_t least_bytes, vv_job *job)
 {
     vvi_lazy_pool *pool = vvi_alloc_zeroed(job, sizeof *pool, VVI_MEM_MODEL);
     *out = NULL;
@@ -38,7 +40,8 @@ vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, vv_job *jo
         return vv_fail_memory(sizeof *pool);
     }
     pool->refs = 1;
-    pool->slab_bytes = slab_bytes;
+    pool->most_bytes = pool->slab_bytes = slab_bytes;
+    pool->least_bytes = least_bytes;
     *out = pool;
     return VV_OK;
 }
@@ -53,12 +56,17 @@ void vvi_lazy_pool_release(vvi_lazy_pool *pool)
     vvi_free(pool);
 }
 
+static uint64_t slice_bytes(const lazy *s)
+{
+    const int64_t *d = s->info.grid.dims;
+    return (uint64_t)d[0] * (uint64_t)d[1] * vv_type_bytes(s->info.type) * (uint64_t)s->info.components;
+}
+
 /* How many whole slices a slab has; a multiple of 64 where so many fit: readers by blocks then meet whole blocks. */
 static int64_t slab_slices(const lazy *s)
 {
     const int64_t *d = s->info.grid.dims;
-    const uint64_t slice = (uint64_t)d[0] * (uint64_t)d[1] * vv_type_bytes(s->info.type) * (uint64_t)s->info.components;
-    const uint64_t n = s->pool->slab_bytes / slice;
+    const uint64_t n = s->pool->slab_bytes / slice_bytes(s);
     if (n >= (uint64_t)d[2])
         return d[2];
     return n > 64 ? (int64_t)(n - n % 64) : n > 0 ? (int64_t)n : 1;
@@ -71,30 +79,62 @@ static vv_box slab_box(const lazy *s, int64_t k)
     return (vv_box){{0, 0, lo}, {d[0], d[1], d[2] - lo < n ? d[2] - lo : n}};
 }
 
-static slab *find(vvi_lazy_pool *pool, const lazy *s, int64_t lo)
+static slab *find(vvi_lazy_pool *pool, const lazy *s, int64_t k)
 {
-    for (int i = 0; i < SLABS_KEPT; i++)
-        if (pool->slabs[i].of == &s->head && pool->slabs[i].box.lo[2] == lo)
+    for (int i = 0; i < SLABS_KEPT; i++) {
+        const vv_box *box = &pool->slabs[i].box;
+        if (pool->slabs[i].of == &s->head && box->lo[2] <= k && k < box->lo[2] + box->n[2])
             return &pool->slabs[i];
+    }
     return NULL;
 }
 
+static void empty(slab *kept)
+{
+    vv_field_release(kept->field);
+    *kept = (slab){0};
+}
+
+/* Nothing is kept, or half as many slices are made; false: there are as few as may be, and it is for others to have
+ * less. */
+static bool shrink(const lazy *s)
+{
+    vvi_lazy_pool *pool = s->pool;
+    const uint64_t half = (uint64_t)slab_slices(s) / 2 * slice_bytes(s);
+    bool kept = false;
+    for (int i = 0; i < SLABS_KEPT; i++) {
+        kept = kept || pool->slabs[i].field;
+        empty(&pool->slabs[i]);
+    }
+    if (kept && pool->least_bytes == 0)
+        return pool->alone = true;
+    const bool thinner = half > 0 && half >= pool->least_bytes;
+    pool->slab_bytes = thinner ? half : pool->most_bytes;
+    return thinner;
+}
+
 /* Under the lock. The oldest slab goes before the new one is made, so that no more than two are ever held. */
-static vv_status make_slab(slab **out, const lazy *s, const vv_box *whole, vv_job *job)
+static vv_status make_slab(slab **out, const lazy *s, int64_t k, vv_job *job)
 {
     slab *oldest = &s->pool->slabs[0];
     for (int i = 1; i < SLABS_KEPT; i++)
         if (s->pool->slabs[i].used < oldest->used)
             oldest = &s->pool->slabs[i];
-    vv_field_release(oldest->field);
-    *oldest = (slab){0};
+    for (int i = 0; i < SLABS_KEPT; i++)
+        if (s->pool->alone || &s->pool->slabs[i] == oldest)
+            empty(&s->pool->slabs[i]);
     vvi_job_hush(job, 1);
-    const vv_status st = s->source.make(&oldest->field, s->source.user, whole, job);
+    vv_status st;
+    vv_box box;
+    do {
+        box = slab_box(s, k);
+        st = s->source.make(&oldest->field, s->source.user, &box, job);
+    } while (st == VV_E_LIMIT && shrink(s));
     vvi_job_hush(job, -1);
     if (st != VV_OK)
         return st;
     oldest->of = &s->head;
-    oldest->box = *whole;
+    oldest->box = box;
     *out = oldest;
     return VV_OK;
 }
@@ -122,13 +162,13 @@ static vv_status get_slab(vv_field **out, vv_box *box_out, const lazy *s, int64_
 {
     vvi_lazy_pool *pool = s->pool;
     vv_status st = VV_OK;
-    *box_out = slab_box(s, k);
     pthread_mutex_lock(&pool->lock);
-    slab *found = find(pool, s, box_out->lo[2]);
+    slab *found = find(pool, s, k);
     if (!found)
-        st = make_slab(&found, s, box_out, job);
+        st = make_slab(&found, s, k, job);
     if (st == VV_OK) {
         found->used = ++pool->clock;
+        *box_out = found->box;
         *out = vv_field_retain(found->field);
     }
     pthread_mutex_unlock(&pool->lock);
@@ -151,30 +191,31 @@ static vv_status lend(vv_brick *out, held *h, const vv_box *part, vv_status st, 
     return VV_OK;
 }
 
-/* Inside one slab: its own samples. */
-static vv_status brick_of_slab(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
+/* Of the box's slices from k on those that are in one slab, *n_out of them: its own samples. */
+static vv_status brick_of_slab(vv_brick *out, int64_t *n_out, lazy *s, const vv_box *box, int64_t k, vv_job *job)
 {
-    vv_box covers, part = *box;
+    vv_box covers = {{0}, {0}}, part = *box;
     held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
     if (!h)
         return vv_fail_memory(sizeof *h);
     h->head.release = release_held;
     h->damaged = &s->damaged;
-    vv_status st = get_slab(&h->field, &covers, s, box->lo[2], job);
-    part.lo[2] -= covers.lo[2];
+    const vv_status st = get_slab(&h->field, &covers, s, k, job);
+    const int64_t left = box->lo[2] + box->n[2] - k, there = covers.lo[2] + covers.n[2] - k;
+    *n_out = part.n[2] = left < there ? left : there;
+    part.lo[2] = k - covers.lo[2];
     return lend(out, h, &part, st, job);
 }
 
-/* Slices [first, first + n) of the box, all in one slab, to where they belong. */
-static vv_status copy_part(char *to, lazy *s, const vv_box *box, int64_t first, int64_t n, vv_job *job)
+/* Slices of the box from `first` on that are in one slab, to where they belong. */
+static vv_status copy_part(char *to, int64_t *n_out, lazy *s, const vv_box *box, int64_t first, vv_job *job)
 {
-    const vv_box part = {{box->lo[0], box->lo[1], first}, {box->n[0], box->n[1], n}};
-    vv_brick brick = {.box = part, .type = s->info.type, .components = s->info.components};
-    const vv_status st = brick_of_slab(&brick, s, &part, job);
+    vv_brick brick = {.box = *box, .type = s->info.type, .components = s->info.components};
+    const vv_status st = brick_of_slab(&brick, n_out, s, box, first, job);
     if (st != VV_OK)
         return st;
     const size_t row = (size_t)box->n[0] * vv_type_bytes(s->info.type) * (size_t)s->info.components;
-    for (int64_t k = 0; k < n; k++)
+    for (int64_t k = 0; k < *n_out; k++)
         for (int64_t j = 0; j < box->n[1]; j++, to += row)
             memcpy(to, (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], row);
     vv_brick_release(&brick);
@@ -194,21 +235,33 @@ static vv_status brick_of_slabs(vv_brick *out, lazy *s, const vv_box *box, vv_jo
     vv_status st = vv_field_new_empty(&h->field, &data, &info, job);
     const int64_t end = box->lo[2] + box->n[2];
     const size_t slice = (size_t)(box->n[0] * box->n[1]) * vv_type_bytes(info.type) * (size_t)info.components;
-    for (int64_t k = box->lo[2], n; k < end && st == VV_OK; k += n) {
-        const vv_box covers = slab_box(s, k);
-        const int64_t slab_end = covers.lo[2] + covers.n[2];
-        n = (end < slab_end ? end : slab_end) - k;
-        st = copy_part((char *)data + (size_t)(k - box->lo[2]) * slice, s, box, k, n, job);
-    }
+    for (int64_t k = box->lo[2], n = 0; k < end && st == VV_OK; k += n)
+        st = copy_part((char *)data + (size_t)(k - box->lo[2]) * slice, &n, s, box, k, job);
     return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
+}
+
+static bool is_in_a_slab(lazy *s, const vv_box *box)
+{
+    pthread_mutex_lock(&s->pool->lock);
+    const slab *kept = find(s->pool, s, box->lo[2]);
+    const vv_box covers = kept ? kept->box : slab_box(s, box->lo[2]);
+    pthread_mutex_unlock(&s->pool->lock);
+    return box->lo[2] + box->n[2] <= covers.lo[2] + covers.n[2];
 }
 
 static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
 {
     lazy *s = (lazy *)(uintptr_t)store; /* its pool and what it knows of damage are no part of what is immutable */
-    const vv_box first = slab_box(s, box->lo[2]);
-    return box->lo[2] + box->n[2] <= first.lo[2] + first.n[2] ? brick_of_slab(out, s, box, job)
-                                                              : brick_of_slabs(out, s, box, job);
+    const vv_brick asked = *out;
+    int64_t n;
+    if (!is_in_a_slab(s, box))
+        return brick_of_slabs(out, s, box, job);
+    const vv_status st = brick_of_slab(out, &n, s, box, box->lo[2], job);
+    if (st != VV_OK || n == box->n[2])
+        return st;
+    vv_brick_release(out); /* it had to be a thinner one */
+    *out = asked;
+    return brick_of_slabs(out, s, box, job);
 }
 
 static bool lazy_damaged(const vvi_sample_store *store)
@@ -222,10 +275,8 @@ static void lazy_drop(vvi_sample_store *store)
     vvi_lazy_pool *pool = s->pool;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < SLABS_KEPT; i++)
-        if (pool->slabs[i].of == store) {
-            vv_field_release(pool->slabs[i].field);
-            pool->slabs[i] = (slab){0};
-        }
+        if (pool->slabs[i].of == store)
+            empty(&pool->slabs[i]);
     pthread_mutex_unlock(&pool->lock);
     if (s->source.drop)
         s->source.drop(s->source.user);

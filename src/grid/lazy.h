@@ -9,8 +9,10 @@
  * of others need a pool other than theirs. Counted references. */
 typedef struct vvi_lazy_pool vvi_lazy_pool;
 
-/** Slabs of whole slices along z, of at most slab_bytes (at least one slice); two of them are kept. */
-vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, vv_job *job);
+/** Slabs of whole slices along z, of at most slab_bytes (at least one slice); two of them are kept. Where making one
+ * fails for want of memory, they get thinner: down to least_bytes; where that is 0 to one slice, and one of them is
+ * kept where that is enough. */
+vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, uint64_t least_bytes, vv_job *job);
 void vvi_lazy_pool_release(vvi_lazy_pool *pool); /* NULL is fine */
 
 typedef struct vvi_lazy_source {

@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define ITEM_SAMPLES ((int64_t)1 << 20)
+#define ITEM_SAMPLES ((int64_t)1 << 17) /* gathered, where they lie in several slabs */
 #define FLUSH_AFTER ((uint64_t)1 << 31) /* before a 32-bit count can wrap */
 
 /* One worker's tables, all of 65536 patterns: two samples of 8 bits are counted as one of 16, which halves the work and

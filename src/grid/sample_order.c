@@ -122,7 +122,8 @@ vv_status vvi_field_fitted(vv_field **out, const vv_field *field, const vv_grid 
         return vv_fail_memory(sizeof *f);
     *f = (fitted){vv_field_retain(field), *grid, *fit};
     info.grid = *grid;
-    vv_status st = vvi_lazy_pool_new(&pool, job ? vv_runtime_memory_limit(vv_job_runtime(job)) / 8 : UINT64_MAX, job);
+    vv_status st =
+        vvi_lazy_pool_new(&pool, job ? vv_runtime_memory_limit(vv_job_runtime(job)) / 8 : UINT64_MAX, 0, job);
     if (st == VV_OK)
         st = vvi_field_lazy(out, &info, &(vvi_lazy_source){make, drop, f}, pool, job);
     else

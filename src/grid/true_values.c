@@ -105,7 +105,7 @@ vv_status vvi_true_values(vv_field **out, const vv_field *const *fields, size_t 
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st = vvi_field_widen_range(&lo, &hi, fields[i], job);
     if (st == VV_OK)
-        st = vvi_lazy_pool_new(&pool, slab_bytes(job), job);
+        st = vvi_lazy_pool_new(&pool, slab_bytes(job), 0, job);
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st =
             make_lazy(&out[i], fields[i], vvi_true_values_type(vv_field_get_info(fields[0]), lo, hi, types), pool, job);

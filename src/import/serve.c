@@ -1,4 +1,5 @@
 #include "serve.h"
+#include "core/allowed_places.h"
 #include "core/job.h"
 #include "core/status.h"
 #include "grid/mesh.h"
@@ -165,6 +166,7 @@ static vv_status start_runtime(server *s, const vv_registry *registry, const cha
     vv_status st = vv_runtime_new(&s->runtime, &options);
     if (st != VV_OK || (st = vv_job_new(&s->job, s->runtime, on_progress, s)) != VV_OK)
         return st;
+    vvi_runtime_distrust_all(s->runtime);
     if (with_parent) /* the kernel means the thread that started us, which otherwise may end before its process */
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
     const import_file file = {path, format, s->descriptor, confined};
@@ -258,9 +260,7 @@ static vv_status open_file(server *s, const vv_registry *registry)
     options.finest = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.any_part = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vv_status st = start_runtime(s, registry, path, options.format);
-    if (st == VV_OK && (st = vv_file_open(&s->file, path, &options, s->job)) == VV_OK)
-        vvi_file_distrust(s->file);
-    return st;
+    return st == VV_OK ? vv_file_open(&s->file, path, &options, s->job) : st;
 }
 
 /* Meshes are read at once: no format of theirs tells how large they are before. */

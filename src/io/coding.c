@@ -1,5 +1,6 @@
 #include "io/coding.h"
 #include "config.h"
+#include "core/allowed_places.h"
 #include "core/memory.h"
 #include "io/coding_step.h"
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #endif
 #if VV_HAVE_ZSTD
 #include <zstd.h>
+#include <zstd_errors.h>
 #endif
 
 const char *vvi_coding_name(vvi_coding coding)
@@ -55,6 +57,7 @@ struct vvi_decoder {
     vvi_coding coding;
     bool live;    /* the library's state is there to be ended */
     bool checked; /* the first bytes were looked at */
+    bool strange; /* whoever made the data is not trusted */
     z_stream gzip;
 #if VV_HAVE_ISAL
     struct inflate_state *fast; /* gzip's, twice as fast as zlib's */
@@ -66,6 +69,10 @@ struct vvi_decoder {
     ZSTD_DStream *zstd;
 #endif
 };
+
+/* How far back the data of strangers may look, which is memory that is held for them: 8 MiB, which all levels of zstd
+ * up to 19 keep to. Others may have the 128 MiB of the library. */
+enum { STRANGE_WINDOW_LOG = 23 };
 
 static bool decoder_start(vvi_decoder *d)
 {
@@ -97,6 +104,8 @@ static bool decoder_start(vvi_decoder *d)
     case VVI_CODING_ZSTD:
 #if VV_HAVE_ZSTD
         d->zstd = ZSTD_createDStream();
+        if (d->zstd && d->strange)
+            ZSTD_DCtx_setParameter(d->zstd, ZSTD_d_windowLogMax, STRANGE_WINDOW_LOG);
         return d->zstd != NULL;
 #else
         return false;
@@ -133,6 +142,7 @@ vv_status vvi_decoder_new(vvi_decoder **out, vvi_coding coding, vv_job *job)
     if (!d)
         return vv_fail_memory(sizeof *d);
     d->coding = coding;
+    d->strange = vvi_job_distrusts_all(job);
     d->live = decoder_start(d);
     if (!d->live) {
         vvi_free(d);
@@ -280,6 +290,9 @@ static const char *run_zstd(vvi_decoder *d, vvi_coding_step *step, bool *member_
     ZSTD_outBuffer out = {step->out, step->n_out, 0};
     const size_t rc = ZSTD_decompressStream(d->zstd, &out, &in);
     vvi_coding_advance(step, in.pos, out.pos);
+    if (ZSTD_getErrorCode(rc) == ZSTD_error_frameParameter_windowTooLarge)
+        return d->strange ? "looks back further than the 8 MiB that files of strangers may; unpack it with 'zstd -d'"
+                          : "looks back further than 128 MiB; unpack it with 'zstd -d --long=31'";
     if (ZSTD_isError(rc))
         return ZSTD_getErrorName(rc);
     *member_end = rc == 0;

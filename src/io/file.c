@@ -54,6 +54,8 @@ static vv_status choose_format(vv_file *file, const vv_read_options *options, vv
         const vv_status st = vv_error_last()->status;
         return st == VV_OK ? VV_E_READ : st;
     }
+    if (n == 0 && vvi_source_check_end(file->source) != VV_OK) /* coded data of which nothing could be read */
+        return vv_error_last()->status;
     return vvi_format_of_file(&file->format, head, n, vvi_source_name(file->source), registry);
 }
 
@@ -472,12 +474,6 @@ void vvi_file_tell_unproven(vv_file *file, vv_job *job)
 {
     if (file->source && !file->import)
         vvi_source_tell_unproven(file->source, job);
-}
-
-void vvi_file_distrust(vv_file *file)
-{
-    if (file->source)
-        vvi_source_distrust(file->source);
 }
 
 vv_status vvi_file_leave_out(vv_file *file, const double *values, size_t n)

@@ -29,6 +29,4 @@ void vvi_file_follow(vv_file *file, unsigned follow);
 void vvi_file_tell_unproven(vv_file *file, vv_job *job);
 /** Whether more than half of its samples are not there (vv_read_options.any_length): reading them is an error. */
 bool vvi_file_lacks(const vv_file *file);
-/** vvi_source_distrust() of all that is read of it from now on. */
-void vvi_file_distrust(vv_file *file);
 #endif

@@ -65,3 +65,25 @@ bool vvi_inflate_block(void *out, size_t room, size_t *n_out, const void *in, si
 #endif
     return inflate_plainly(out, room, n_out, in, n_in, wrapper);
 }
+
+bool vvi_inflate_is_whole(const void *in, size_t n_in)
+{
+    enum { WINDOW = 1 << 14 };
+    uint8_t thrown_away[WINDOW];
+    z_stream z = {0};
+    size_t left = n_in;
+    int code = inflateInit2(&z, 15);
+    if (code != Z_OK)
+        return false;
+    while (code == Z_OK) {
+        const unsigned some = piece(left);
+        z.next_in = (Bytef *)(uintptr_t)((const uint8_t *)in + (n_in - left)); /* as above */
+        z.avail_in = some;
+        z.next_out = thrown_away;
+        z.avail_out = WINDOW;
+        code = inflate(&z, Z_NO_FLUSH);
+        left -= some - z.avail_in;
+    }
+    inflateEnd(&z);
+    return code == Z_STREAM_END;
+}

@@ -18,4 +18,11 @@ typedef enum vvi_inflate_wrapper {
  * Threads  any
  */
 bool vvi_inflate_block(void *out, size_t room, size_t *n_out, const void *in, size_t n_in, vvi_inflate_wrapper wrapper);
+
+/**
+ * Whether a block of zlib gets to its end and has the checksum that stands there, however much it holds; of no memory.
+ *
+ * Threads  any
+ */
+bool vvi_inflate_is_whole(const void *in, size_t n_in);
 #endif

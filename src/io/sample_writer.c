@@ -8,7 +8,7 @@
 #include "io/placement.h"
 #include <string.h>
 
-#define PIECE_BYTES ((size_t)1 << 20)
+#define PIECE_BYTES ((size_t)256 << 10)
 
 bool vvi_order_swapped(bool big_endian)
 {

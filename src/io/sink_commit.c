@@ -43,6 +43,44 @@ static vv_status spare_header(const vv_sink *s, const char *own)
     return st;
 }
 
+/* A new name, taken by one alone of all that want it at once. Not every file system can do that while it renames; then
+ * what is written gets the name as a second one, or the name is taken by something empty first. */
+static int rename_to_new(const char *temporary, const char *path)
+{
+    struct stat about;
+    if (renameat2(AT_FDCWD, temporary, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
+        return 0;
+    if ((errno != EINVAL && errno != ENOSYS) || lstat(temporary, &about) != 0)
+        return -1;
+    if (S_ISDIR(about.st_mode)) {
+        if (mkdir(path, 0777) != 0)
+            return -1;
+    } else {
+        if (link(temporary, path) == 0)
+            return unlink(temporary);
+        const int fd = errno == EEXIST ? -1 : open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (fd < 0)
+            return -1;
+        close(fd);
+    }
+    if (rename(temporary, path) == 0)
+        return 0;
+    const int error = errno;
+    remove(path); /* what was empty */
+    errno = error;
+    return -1;
+}
+
+int vvi_sink_rename(const char *temporary, const char *path, const vv_job *job)
+{
+    return vvi_job_keeps_existing(job) ? rename_to_new(temporary, path) : rename(temporary, path);
+}
+
+vv_status vvi_sink_fail_existing(const char *name)
+{
+    return vv_fail_at(VV_E_WRITE, name, NULL, "already exists, and is left as it is; choose another name");
+}
+
 /* Committing ----------------------------------------------------------------------------------------------------- */
 
 static vv_status settle(vv_sink *s)
@@ -86,10 +124,11 @@ static vv_status put_in_place(vv_sink *s)
 {
     if (!s->path)
         return VV_OK;
-    if (rename(s->temporary, s->path) != 0)
-        return vvi_sink_fail(s, "renaming", errno);
+    if (vvi_sink_rename(s->temporary, s->path, s->job) != 0)
+        return errno == EEXIST ? vvi_sink_fail_existing(s->name) : vvi_sink_fail(s, "renaming", errno);
     free(s->temporary);
     s->temporary = NULL;
+    s->placed = true;
     vvi_sink_sync_parent(s->path);
     return VV_OK;
 }
@@ -114,6 +153,9 @@ vv_status vvi_sink_commit(vv_sink *s)
         st = put_in_place(b);
     if (st == VV_OK)
         st = put_in_place(s);
+    for (vv_sink *b = s->beside; b && st != VV_OK && vvi_job_keeps_existing(s->job); b = b->next)
+        if (b->placed) /* new, and of no use without the first */
+            unlink(b->path);
     vvi_sink_abandon(s);
     return st;
 }

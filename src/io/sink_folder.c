@@ -4,6 +4,7 @@
 #include "io/sink_folder.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/sink_impl.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -25,10 +26,18 @@ struct vvi_sink_folder {
     char *path;      /* where it is going to be; links resolved */
     char *temporary; /* NULL once it is renamed */
     int fd;          /* of the temporary folder */
+    int held;        /* that in which the target lies; -1: it is found by its path */
     int (*owns)(const char *name);
     atomic_bool failed;
     vv_job *job;
 };
+
+/* Of a path that is not for people. */
+static const char *last_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
 
 static vv_status fail_writing(vvi_sink_folder *f, const char *doing, const char *name, int error)
 {
@@ -74,6 +83,8 @@ void vvi_sink_folder_free(vvi_sink_folder *f)
         close(f->fd);
     if (f->temporary)
         vvi_sink_remove_folder(f->temporary);
+    if (f->held >= 0)
+        close(f->held);
     free(f->name);
     free(f->path);
     free(f->temporary);
@@ -237,7 +248,9 @@ static vv_status open_folder(vvi_sink_folder *f, const char *path)
         f->path = vvi_asprintf("%.*s", (int)n, path);
     if (!f->name || !f->path)
         return vv_fail_memory(n);
-    vv_status st = check_target(f, &empty);
+    vv_status st = vvi_sink_hold_folder(&f->held, &f->path, f->name, f->job);
+    if (st == VV_OK)
+        st = check_target(f, &empty);
     return st == VV_OK ? make_temporary(f) : st;
 }
 
@@ -249,7 +262,7 @@ vv_status vvi_sink_folder_new(vvi_sink_folder **out, const char *path, int (*own
     vvi_sink_folder *f = vvi_alloc_zeroed(job, sizeof *f, VVI_MEM_SCRATCH);
     if (!f)
         return vv_fail_memory(sizeof *f);
-    f->fd = -1;
+    f->fd = f->held = -1;
     f->owns = owns;
     f->job = job;
     vv_status st = open_folder(f, path);
@@ -384,9 +397,9 @@ static vv_status replace_in_two_steps(vvi_sink_folder *f)
         return vv_fail_memory(strlen(f->path));
     vv_status st = VV_OK;
     if (rename(f->path, aside) != 0) {
-        st = fail_writing(f, "renaming", f->path, errno);
+        st = fail_writing(f, "moving", f->name, errno);
     } else if (rename(f->temporary, f->path) != 0) {
-        st = fail_writing(f, "renaming", f->temporary, errno);
+        st = fail_writing(f, "renaming", last_of(f->temporary), errno);
         rename(aside, f->path);
     } else {
         vvi_sink_remove_folder(aside);
@@ -403,11 +416,14 @@ static vv_status put_in_place(vvi_sink_folder *f)
     vv_status st = check_target(f, &empty); /* much may have happened since it was opened */
     if (st != VV_OK)
         return st;
-    if (empty && rename(f->temporary, f->path) != 0)
-        return fail_writing(f, "renaming", f->temporary, errno);
+    if (!empty && vvi_job_keeps_existing(f->job))
+        return vvi_sink_fail_existing(f->name);
+    if (empty && vvi_sink_rename(f->temporary, f->path, f->job) != 0)
+        return errno == EEXIST ? vvi_sink_fail_existing(f->name)
+                               : fail_writing(f, "renaming", last_of(f->temporary), errno);
     if (!empty && renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_EXCHANGE) != 0)
         return errno == EINVAL || errno == ENOSYS ? replace_in_two_steps(f)
-                                                  : fail_writing(f, "renaming", f->temporary, errno);
+                                                  : fail_writing(f, "renaming", last_of(f->temporary), errno);
     if (!empty)
         vvi_sink_remove_folder(f->temporary);
     free(f->temporary);
@@ -421,7 +437,7 @@ vv_status vvi_sink_folder_commit(vvi_sink_folder *f)
         return vv_fail_at(VV_E_WRITE, f->name, NULL, "is not written: an earlier write failed");
     /* one call for thousands of small files */
     if (syncfs(f->fd) != 0)
-        return fail_writing(f, "syncing", f->temporary, errno);
+        return fail_writing(f, "syncing", last_of(f->temporary), errno);
     vv_status st = put_in_place(f);
     if (st == VV_OK)
         vvi_sink_sync_parent(f->path);

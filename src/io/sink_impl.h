@@ -25,6 +25,7 @@ struct vv_sink {
     uint8_t *coded;
     uint64_t written;
     bool failed, spares_inputs;
+    bool placed; /* it has its name */
     vv_sink *beside, *next;
     vvi_sink_folder *folder; /* NULL: it is a file */
     bool in_memory;
@@ -38,8 +39,15 @@ vv_status vvi_sink_fail(vv_sink *sink, const char *doing, int error);
 void vvi_sink_free(vv_sink *sink);
 /** Bytes as they are, past the encoder. */
 vv_status vvi_sink_out(vv_sink *sink, const uint8_t *data, size_t n);
+/** Where files are written in some places alone, the folder that *path lies in is held, and *path becomes one by the
+ * number of its descriptor: what takes the folder's place meanwhile is not written to. Not for people: `name` is. */
+vv_status vvi_sink_hold_folder(int *held, char **path, const char *name, vv_job *job);
 /** A name beside the target that nobody has, for a new file or for one that has none. */
 vv_status vvi_sink_name_temporary(vv_sink *sink, mode_t mode);
+/** A file or folder becomes `path`; where the job keeps what exists, only if nothing is there. -1 with errno. */
+int vvi_sink_rename(const char *temporary, const char *path, const vv_job *job);
+/** VV_E_WRITE: it is there, and stays. */
+vv_status vvi_sink_fail_existing(const char *name);
 /** What a library wrote to a temporary file goes to the stream. */
 vv_status vvi_sink_copy_library(vv_sink *sink);
 #endif

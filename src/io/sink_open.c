@@ -99,26 +99,26 @@ static vv_status open_straight(vv_sink *s, const char *path)
     return s->fd >= 0 ? VV_OK : vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be opened: %s", strerror(errno));
 }
 
-/* Where files are written in some places alone, the folder is held: what takes its place meanwhile is not written to.
- */
-static vv_status hold_folder(vv_sink *s)
+vv_status vvi_sink_hold_folder(int *held, char **path, const char *name, vv_job *job)
 {
-    char *slash = strrchr(s->path, '/');
-    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - s->path) + 1, s->path) : vvi_strdup(".");
-    if (!folder)
-        return vv_fail_memory(strlen(s->path));
-    s->held = vvi_open_place(folder, O_PATH | O_DIRECTORY, false, s->job);
+    char *slash = strrchr(*path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - *path) + 1, *path) : vvi_strdup(".");
+    if (!vvi_job_confined(job) || !folder) {
+        free(folder);
+        return folder ? VV_OK : vv_fail_memory(strlen(*path));
+    }
+    *held = vvi_open_place(folder, O_PATH | O_DIRECTORY, false, job);
     const int error = errno;
     free(folder);
-    if (s->held < 0 && error == EXDEV)
-        return vv_fail_at(VV_E_WRITE, s->name, NULL, "lies outside the folder that may be written to");
-    if (s->held < 0)
-        return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(error));
-    char *path = vvi_asprintf("/proc/self/fd/%d/%s", s->held, slash ? slash + 1 : s->path);
-    if (!path)
-        return vv_fail_memory(strlen(s->path));
-    free(s->path);
-    s->path = path;
+    if (*held < 0 && error == EXDEV)
+        return vv_fail_at(VV_E_WRITE, name, NULL, "lies outside the folder that may be written to");
+    if (*held < 0)
+        return vv_fail_at(VV_E_WRITE, name, NULL, "cannot be created: %s", strerror(error));
+    char *by_number = vvi_asprintf("/proc/self/fd/%d/%s", *held, slash ? slash + 1 : *path);
+    if (!by_number)
+        return vv_fail_memory(strlen(*path));
+    free(*path);
+    *path = by_number;
     return VV_OK;
 }
 
@@ -126,10 +126,12 @@ static vv_status open_target(vv_sink *s, const char *path)
 {
     struct stat info;
     const bool there = strcmp(path, "-") != 0 && stat(path, &info) == 0;
+    if (there && vvi_job_keeps_existing(s->job))
+        return vvi_sink_fail_existing(s->name);
     if (there && S_ISDIR(info.st_mode))
-        return vv_fail_at(VV_E_WRITE, path, NULL, "is a folder; name a file in it");
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "is a folder; name a file in it");
     if (there && !S_ISREG(info.st_mode) && vvi_job_confined(s->job)) /* nobody may read a pipe */
-        return vv_fail_at(VV_E_WRITE, path, NULL, "is no file; choose another name");
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "is no file; choose another name");
     if (strcmp(path, "-") == 0 || (there && !S_ISREG(info.st_mode)))
         return open_straight(s, path);
     /* Through a link to the file it means, so that the link stays one. */
@@ -137,7 +139,7 @@ static vv_status open_target(vv_sink *s, const char *path)
     s->path = real ? real : vvi_strdup(path);
     if (!s->path)
         return vv_fail_memory(strlen(path));
-    vv_status st = vvi_job_confined(s->job) ? hold_folder(s) : VV_OK;
+    vv_status st = vvi_sink_hold_folder(&s->held, &s->path, s->name, s->job);
     if (st == VV_OK)
         st = open_temporary(s, 0666);
     if (st == VV_OK && there && fchmod(s->fd, info.st_mode & 07777) != 0)
@@ -145,11 +147,11 @@ static vv_status open_target(vv_sink *s, const char *path)
     return st;
 }
 
-vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
+static vv_status open_called(vv_sink **out, const char *path, const char *name, vv_job *job)
 {
     vv_sink *s = NULL;
     *out = NULL;
-    vv_status st = sink_new(&s, strcmp(path, "-") == 0 ? "standard output" : path, job);
+    vv_status st = sink_new(&s, name, job);
     if (st != VV_OK)
         return st;
     if ((st = open_target(s, path)) != VV_OK) {
@@ -158,6 +160,11 @@ vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
     }
     *out = s;
     return VV_OK;
+}
+
+vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
+{
+    return open_called(out, path, strcmp(path, "-") == 0 ? "standard output" : path, job);
 }
 
 vv_status vvi_sink_open_memory(vv_sink **out, const char *name, vv_job *job)
@@ -231,13 +238,10 @@ vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
     char *said = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->name) + 1 : 0, s->name, name);
     vv_status st = path && said ? spare_data(s, path, said) : vv_fail_memory(strlen(name));
     if (st == VV_OK)
-        st = vvi_sink_open(out, path, s->job);
+        st = open_called(out, path, said, s->job);
     free(path);
-    if (st != VV_OK) {
-        free(said);
-    } else {
-        free((*out)->name);
-        (*out)->name = said;
+    free(said);
+    if (st == VV_OK) {
         (*out)->spares_inputs = s->spares_inputs;
         (*out)->next = s->beside;
         s->beside = *out;

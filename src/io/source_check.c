@@ -1,4 +1,5 @@
 /* Whether coded data are what was written: checksums stand at their end, and what is read of them may lie before. */
+#include "core/allowed_places.h"
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
@@ -7,8 +8,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* What data may cost before they are known to be whole is 64 MiB and twice the file. Windows and states are in it. */
-#define UNPROVEN_BYTES ((uint64_t)60 << 20)
+/* What data may cost before they are known to be whole is 64 MiB and twice the file. Windows and states are in it; of
+ * bzip2 and zstd there are two of up to 8 MiB. */
+#define UNPROVEN_BYTES ((uint64_t)55 << 20)
+#define UNPROVEN_BYTES_ANEW ((uint64_t)40 << 20)
 #define UNPROVEN_TIMES 2
 /* Of codings whose decoders cannot be copied, all is unpacked anew to be proven. Where it is this many times as much as
  * was packed, that takes hardly longer than to write it to memory; strangers' data wait for it even so. */
@@ -27,11 +30,6 @@ static vv_source *coded(vv_source *s)
 void vvi_source_follow(vv_source *source, unsigned follow)
 {
     source->follow = follow;
-}
-
-void vvi_source_distrust(vv_source *source)
-{
-    source->strange = true;
 }
 
 /* Proving -------------------------------------------------------------------------------------------------------- */
@@ -160,14 +158,16 @@ static uint64_t unproven_most(vv_source *s)
     while (s->parent) /* packed twice: what the file has of it */
         s = s->parent;
     const uint64_t packed = vvi_source_window_bytes(s, &exact);
-    const uint64_t times = vvi_coding_copies(c->coding) || c->strange ? UNPROVEN_TIMES : UNPROVEN_TIMES_ANEW;
-    return packed < (UINT64_MAX - UNPROVEN_BYTES) / times ? UNPROVEN_BYTES + times * packed : UINT64_MAX;
+    const bool copies = vvi_coding_copies(c->coding);
+    const uint64_t times = copies || vvi_job_distrusts_all(c->job) ? UNPROVEN_TIMES : UNPROVEN_TIMES_ANEW;
+    const uint64_t least = copies ? UNPROVEN_BYTES : UNPROVEN_BYTES_ANEW;
+    return packed < (UINT64_MAX - least) / times ? least + times * packed : UINT64_MAX;
 }
 
 static vv_status prove_before(vv_source *s, uint64_t bytes)
 {
-    const bool known = s->proven || s->cut_at || s->ended || !s->store->seekable;
-    return bytes <= UNPROVEN_BYTES || known || bytes <= unproven_most(s) ? VV_OK : prove_once(s);
+    const bool known = s->proven || s->cut_at || (s->ended && !s->problem[0]) || !s->store->seekable;
+    return bytes <= UNPROVEN_BYTES_ANEW || known || bytes <= unproven_most(s) ? VV_OK : prove_once(s);
 }
 
 vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out)
@@ -182,12 +182,29 @@ vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out)
     return st;
 }
 
-vv_status vvi_source_hand(vv_source *s, uint64_t n)
+static vv_status count(vv_source *s, uint64_t n)
 {
-    if (!s->decoder || s->told)
-        return VV_OK;
     s->handed = n > UINT64_MAX - s->handed ? UINT64_MAX : s->handed + n;
     return prove_before(s, s->handed);
+}
+
+vv_status vvi_source_hand(vv_source *s, uint64_t n)
+{
+    return !s->decoder || s->told ? VV_OK : count(s, n);
+}
+
+vv_status vvi_source_grow(vv_source *source, uint64_t bytes)
+{
+    vv_source *s = coded(source);
+    if (!s)
+        return VV_OK;
+    s->told = true;
+    const vv_status st = count(s, bytes);
+    return st != VV_OK || !s->cut_at
+               ? st
+               : vv_fail_at(VV_E_FORMAT, s->name, NULL,
+                            "after %llu bytes of %s data: the file is cut short; get a complete copy",
+                            (unsigned long long)s->cut_at, vvi_coding_name(s->coding));
 }
 
 vv_status vvi_source_check_end(vv_source *s)

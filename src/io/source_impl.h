@@ -35,9 +35,8 @@ struct vv_source {
     bool cut;          /* that the file is cut short is the problem, and no other */
     bool proven;       /* all of it has been seen, and its checksums were right */
     uint64_t cut_at;   /* all of it has been seen, and it is cut after so many decoded bytes; 0: not so */
-    bool strange;      /* whoever made it is not trusted */
     bool told;         /* how much memory what came from it takes is said, and not counted: vvi_source_hold() */
-    uint64_t handed;   /* bytes handed out, as long as they are counted */
+    uint64_t handed;   /* bytes handed out, as long as they are counted; what vvi_source_grow() was told */
     unsigned follow;   /* VVI_FOLLOW_* */
     vvi_lack *lack;    /* of the file that is opened; NULL: what is missing is an error */
     bool guarded;      /* all decoded bytes have this sum */

@@ -121,7 +121,6 @@ static void inherit(vv_source *s, const vv_source *from)
 {
     s->follow = from->follow;
     s->lack = from->lack;
-    s->strange = from->strange;
 }
 
 static vv_status of_header(vv_status st, vv_source **out, const vv_source *header)

@@ -333,7 +333,11 @@ vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_o
     vv_measure_options_init(&o, sizeof o);
     if (options)
         memcpy(&o, options, options->size < sizeof o ? options->size : sizeof o);
-    o.method = vvi_object_method(o.object, o.method);
+    o.method = o.region && o.method == VV_MEASURE_AUTO ? VV_MEASURE_COUNT : vvi_object_method(o.object, o.method);
+    if (o.region && o.method == VV_MEASURE_CUBES)
+        return vv_fail(VV_E_ARGUMENT,
+                       "voxels are counted in a region; Marching Cubes measures in boxes of samples and on "
+                       "sides of planes: omit the method, or give --box or --clip");
     vv_status st = vvi_object_open(&object, field, &o, 1, job);
     if (st == VV_OK && o.seeded)
         st = vvi_object_track(&object, o.seed);

@@ -155,7 +155,10 @@ vv_status vvi_object_open(vvi_object *out, const vv_field *field, const vv_measu
         out->n[a] = (info->grid.dims[a] - 1) / step + 1;
     out->words = (size_t)(out->n[0] + 63) / 64 + 1;
     out->kernels = vvi_march_kernels_for(vvi_job_cpu(job));
-    const vv_status st = choose(out, field, options);
+    out->shaped = options->region != NULL;
+    vv_status st = choose(out, field, options);
+    if (st == VV_OK && out->shaped)
+        st = vvi_shape_init(&out->shape, &info->grid, options->region);
     if (st == VV_OK)
         find_thresholds(out, vv_field_get_info(out->samples));
     return st;
@@ -260,6 +263,8 @@ vv_status vvi_object_slice(uint64_t *bits, const vvi_object *o, int64_t k)
             fast_row(bits, o, row);
         else
             slow_row(bits, o, row, brick.stride[0], brick.type);
+        if (o->shaped)
+            vvi_shape_keep_row(bits, o->words, &o->shape, j, k);
     }
     vv_brick_release(&brick);
     return VV_OK;

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_MEASURE_OBJECT_H
 #define VVI_MEASURE_OBJECT_H
+#include "measure/shape.h"
 #include "surface/marching_kernel.h"
 #include <volvis/measure.h>
 
@@ -24,6 +25,8 @@ typedef struct vvi_object {
     uint64_t *section;         /**< bits of all rows of the piece around the seed; NULL: everything */
     double scale, offset;      /**< value = stored * scale + offset */
     double value_lo, value_hi; /**< the range in values */
+    bool shaped;               /**< only what is in `shape` is inside */
+    vvi_shape shape;
     vv_job *job;
 } vvi_object;
 

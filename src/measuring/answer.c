@@ -117,7 +117,12 @@ void vvi_tell_place(vv_answer *a, const char *key, const double v[3], const doub
 
 void vvi_tell_text(vv_answer *a, const char *key, const char *text)
 {
-    add(a, VV_ANSWER_TEXT, VV_FOR_PROGRAMS, key)->text = vvi_answer_copy(a, text);
+    add(a, VV_ANSWER_TEXT, VV_FOR_PROGRAMS, key)->text = text ? vvi_answer_copy(a, text) : NULL;
+}
+
+void vvi_tell_json(vv_answer *a, const char *key, const char *json)
+{
+    add(a, VV_ANSWER_JSON, VV_FOR_PROGRAMS, key)->text = vvi_answer_copy(a, json);
 }
 
 void vvi_tell_number(vv_answer *a, const char *key, double value)

@@ -46,7 +46,8 @@ void vvi_tell_rare(vv_answer *a, const char *key, const char *label, uint64_t co
  * NULL: none is known. */
 void vvi_tell_place(vv_answer *a, const char *key, const double v[3], const double error[3], const char *unit);
 /* For programs. */
-void vvi_tell_text(vv_answer *a, const char *key, const char *text);
+void vvi_tell_text(vv_answer *a, const char *key, const char *text); /* NULL: there is none */
+void vvi_tell_json(vv_answer *a, const char *key, const char *json); /* as it is */
 void vvi_tell_number(vv_answer *a, const char *key, double value);
 void vvi_tell_count(vv_answer *a, const char *key, uint64_t count);
 void vvi_tell_bool(vv_answer *a, const char *key, bool value);

@@ -126,6 +126,9 @@ static void add_item(vvi_result *json, const vv_answer_item *item)
     case VV_ANSWER_TABLE:
         add_table(json, item);
         break;
+    case VV_ANSWER_JSON:
+        vvi_result_raw(json, item->key, item->text);
+        break;
     case VV_ANSWER_LINE:
     case VV_ANSWER_BLOCK:
     case VV_ANSWER_BARS:

@@ -178,7 +178,7 @@ vv_status vvi_measure_joint_histogram(vvi_measuring *m)
     if (marked)
         of.lo = -INFINITY;
     const bool object = m->chosen && !marked;
-    if (object || m->n_planes || m->asked->box)
+    if (object || vvi_measuring_is_part(m))
         o.of = &of;
     if (st != VV_OK || (st = vv_measure_joint(&j, m->field, &o, m->job)) != VV_OK)
         return st;

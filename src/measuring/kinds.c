@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define OBJECT "iso threshold_lo threshold_hi label mask seed space box cut_planes component "
+#define OBJECT "iso threshold_lo threshold_hi label mask seed space box cut_planes component region "
 #define SURFACE "iso label component box cut_planes "
 #define VOLUME VV_MEASURED_VOLUME
 #define MESH VV_MEASURED_MESH
@@ -90,6 +90,7 @@ static const vv_measure_kind kinds[] = {
      .forms = EXTENT("method closed", "closed", VVI_EXTENT, vvi_measure_summary, 0)},
     {.name = "joint",
      .doc = "how often values occur with lengths of the gradient",
+     .main = "gradient_mean",
      .plot = true,
      .forms = OF_VOLUME(OBJECT "bins range", vvi_measure_joint_histogram)},
     {.name = "point",
@@ -187,14 +188,15 @@ static unsigned is_what(const vv_measured_data *data)
 static vv_status run_form(vvi_measuring *m, const vv_measure_form *form)
 {
     vv_answer *answer = m->answer;
+    m->uses = form->uses;
     const bool opened = m->input->field && !(form->what & VVI_SURFACE);
     vv_status st = opened ? vvi_measuring_open(m) : VV_OK;
     m->what = form->what;
     if (st == VV_OK && opened)
         vvi_tell_text(answer, "region", m->region);
-    if (st == VV_OK && (st = form->run(m)) == VV_OK && opened) {
+    if (st == VV_OK && (st = form->run(m)) == VV_OK && opened && (st = vvi_measuring_put_region(m)) == VV_OK) {
         snprintf(answer->object, sizeof answer->object, "%s", m->object);
-        snprintf(answer->region, sizeof answer->region, "%s", strcmp(m->region, "all") ? m->region : "");
+        snprintf(answer->region, sizeof answer->region, "%s", vvi_measuring_is_part(m) ? m->region : "");
     }
     vvi_measuring_close(m);
     return st;

@@ -13,6 +13,7 @@ typedef struct vvi_measuring {
     const vv_measured_inputs *inputs;
     const vv_measured_data *input; /**< what is looked at now: the first input, or the second */
     unsigned what;                 /**< of the form */
+    const char *uses;              /**< of the form */
     vv_answer *answer;
     vv_job *job;
     /* of a volume */
@@ -20,13 +21,15 @@ typedef struct vvi_measuring {
     vv_plane planes[VVI_PLANES_MOST - 6];
     size_t n_planes;
     vv_measure_options choice;
-    bool chosen;       /**< an object was asked for */
-    bool automatic;    /**< VolVis chose the value */
-    bool of_scene;     /**< it is the one that the scene shows */
-    bool took_missing; /**< field is without them */
-    bool told_seed;    /**< for programs, once */
-    bool told_empty;   /**< that the object is empty */
-    char object[160];  /**< what it is, for people */
+    vv_region_shape shape; /**< where choice.region is set */
+    double *outline;       /**< of the shape */
+    bool chosen;           /**< an object was asked for */
+    bool automatic;        /**< VolVis chose the value */
+    bool of_scene;         /**< it is the one that the scene shows */
+    bool took_missing;     /**< field is without them */
+    bool told_seed;        /**< for programs, once */
+    bool told_empty;       /**< that the object is empty */
+    char object[160];      /**< what it is, for people */
     char region[96];
 } vvi_measuring;
 
@@ -39,8 +42,21 @@ const char *vvi_point_print(char out[VVI_POINT_TEXT], vv_vec3 p);
 /** The choice of a question about m->input, a volume. Close it also when it fails. */
 vv_status vvi_measuring_open(vvi_measuring *m);
 void vvi_measuring_close(vvi_measuring *m);
-/** Where no object is asked for: the values above the one that best splits the histogram, or below it where the larger
- * ones surround the object; of labels all but 0. To be asked before areas and volumes are measured. */
+/** Whether it asks of a region with a frame of its own. */
+bool vvi_measurement_has_region(const vv_measurement *m);
+/** That region; place: from sample indices to the world. *outline is yours to free(), also when this fails. Errors:
+ * VV_E_ARGUMENT (what it needs is missing, or says nothing), VV_E_MEMORY. */
+vv_status vvi_measurement_shape(vv_region_shape *out, double **outline, const vv_measurement *m,
+                                const vv_affine *place);
+/** Of a question: takes it into the choice, names it, "": there is none, and tells how large it is. */
+vv_status vvi_measuring_take_region(vvi_measuring *m);
+void vvi_measuring_name_region(char out[64], const vvi_measuring *m);
+vv_status vvi_measuring_put_region(vvi_measuring *m);
+/** Whether the question is of a part of the volume: a region, a box of samples, or what planes leave. */
+bool vvi_measuring_is_part(const vvi_measuring *m);
+/** Where no object is asked for: of a region all of it; else the values above the one that best splits the histogram,
+ * or below it where the larger ones surround the object; of labels all but 0. To be asked before areas and volumes are
+ * measured. */
 vv_status vvi_measuring_choose(vvi_measuring *m);
 /** Of an object below a value that was chosen so: the surface of that value, which bounds it from outside. */
 void vvi_measuring_take_surface(vvi_measuring *m);

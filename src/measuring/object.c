@@ -32,7 +32,7 @@ static void put_header(vvi_measuring *m)
     vvi_measuring_put_seed(m);
     vvi_tell_line(m->answer, "object", "%s%s", m->object,
                   m->choice.seeded ? "; the piece around the seed: 6-connected inside, 26-connected outside" : "");
-    if (strcmp(m->region, "all") != 0)
+    if (vvi_measuring_is_part(m))
         vvi_tell_line(m->answer, "region", "%s", m->region);
     vvi_tell_line(m->answer, "method", "%s",
                   cubes ? "Marching Cubes, values interpolated: n samples are n - 1 steps long"
@@ -131,7 +131,7 @@ static vv_status count_unknown(uint64_t *out, const vvi_measuring *m)
 
 static void note_unknown(vvi_measuring *m, const vv_measured *found, uint64_t n)
 {
-    const bool all = strcmp(m->region, "all") == 0;
+    const bool all = !vvi_measuring_is_part(m);
     char which[64];
     snprintf(which, sizeof which, "sample%s%s %s", n == 1 ? "" : "s", all ? "" : " of the whole volume",
              n == 1 ? "is" : "are");
@@ -158,7 +158,7 @@ static void put_remarks(vvi_measuring *m, const vv_measured *found, bool area, u
                       "nothing lies between inside and outside: Marching Cubes makes such areas 8 %% too large at "
                       "any resolution, up to 25 %% where voxels are not cubes; --method count does not");
     note_unknown(m, found, n_unknown);
-    if (area && found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->asked->box)
+    if (area && found->cut_area > 0 && !m->choice.closed && !vvi_measuring_is_part(m))
         vvi_tell_note(
             m->answer,
             "the object reaches the border of the volume; the faces where it is cut off are not part of its area%s",

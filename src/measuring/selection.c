@@ -68,28 +68,44 @@ static void take_planes(vvi_measuring *m)
     }
 }
 
+/* "polygon of 5 corners, box of samples .., 2 cut planes" */
+static void name_region(vvi_measuring *m)
+{
+    const char *box = m->asked->box;
+    char part[3][64] = {"", "", ""};
+    vvi_measuring_name_region(part[0], m);
+    snprintf(part[1], sizeof part[1], "%s%s", box ? "box of samples " : "", box ? box : "");
+    if (m->n_planes)
+        snprintf(part[2], sizeof part[2], "%zu %s", m->n_planes, vvi_plural(m->n_planes, "cut plane", "cut planes"));
+    *m->region = 0;
+    for (size_t i = 0, n = 0; i < 3; i++, n = strlen(m->region))
+        snprintf(m->region + n, sizeof m->region - n, "%s%s", n && *part[i] ? ", " : "", part[i]);
+    if (!*m->region)
+        snprintf(m->region, sizeof m->region, "all");
+}
+
 static vv_status choose_region(vvi_measuring *m)
 {
     const char *box = m->asked->box;
-    const vv_status st = box ? vvi_measuring_box(&m->choice.box, box, &vv_field_get_info(m->field)->grid) : VV_OK;
+    vv_status st = box ? vvi_measuring_box(&m->choice.box, box, &vv_field_get_info(m->field)->grid) : VV_OK;
+    if (st == VV_OK)
+        st = vvi_measuring_take_region(m);
     take_planes(m);
     m->choice.planes = m->planes;
     m->choice.n_planes = m->n_planes;
-    snprintf(m->region, sizeof m->region, "%s%s%s", box ? "box of samples " : "", box ? box : "",
-             m->n_planes && box     ? ", "
-             : !m->n_planes && !box ? "all"
-                                    : "");
-    if (m->n_planes)
-        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu %s", m->n_planes,
-                 vvi_plural(m->n_planes, "cut plane", "cut planes"));
+    name_region(m);
     return st;
+}
+
+bool vvi_measuring_is_part(const vvi_measuring *m)
+{
+    return strcmp(m->region, "all") != 0;
 }
 
 const char *vvi_measuring_in(const vvi_measuring *m, const char **region_out)
 {
-    const bool part = strcmp(m->region, "all") != 0;
-    *region_out = part ? m->region : "";
-    return part ? " in " : "";
+    *region_out = vvi_measuring_is_part(m) ? m->region : "";
+    return vvi_measuring_is_part(m) ? " in " : "";
 }
 
 /* Object ---------------------------------------------------------------------------------------------------------- */
@@ -187,7 +203,7 @@ static vv_status take_mask(vvi_measuring *m)
 /* What the scene shows, where nothing else is asked for. */
 static void take_shown(vvi_measuring *m)
 {
-    m->chosen = m->of_scene = m->input->ranged;
+    m->chosen = m->of_scene = m->input->ranged && !m->choice.region;
     if (m->of_scene) {
         m->choice.lo = m->input->lo;
         m->choice.hi = m->input->hi;
@@ -219,7 +235,9 @@ static vv_status choose_object(vvi_measuring *m)
 
 static void choose_method(vvi_measuring *m)
 {
-    m->choice.method = vvi_object_method(m->choice.object, (vv_measure_method)m->asked->method);
+    const bool counted = m->choice.region && m->asked->method == VV_MEASURE_AUTO;
+    m->choice.method =
+        counted ? VV_MEASURE_COUNT : vvi_object_method(m->choice.object, (vv_measure_method)m->asked->method);
 }
 
 void vvi_measuring_label_method(vvi_measuring *m)
@@ -302,6 +320,10 @@ vv_status vvi_measuring_choose(vvi_measuring *m)
     vv_status st = VV_OK;
     if (m->chosen)
         return take_missing(m);
+    if (m->choice.region) {
+        snprintf(m->object, sizeof m->object, "all samples");
+        return VV_OK;
+    }
     if ((st = of_labels(&labels, &sensed, m)) != VV_OK)
         return st;
     if (!labels && (st = take_missing(m)) != VV_OK)
@@ -338,8 +360,7 @@ void vvi_measuring_note_empty(vvi_measuring *m)
     if (m->told_empty)
         return;
     m->told_empty = true;
-    const char *where = strcmp(m->region, "all") ? " in " : "";
-    const char *region = *where ? m->region : "";
+    const char *region, *where = vvi_measuring_in(m, &region);
     if (m->choice.object == VV_OBJECT_LABEL)
         vvi_tell_note(m->answer, "there is no %s%s%s: the object is empty", m->object, where, region);
     else
@@ -365,6 +386,8 @@ void vvi_measuring_close(vvi_measuring *m)
     vv_field_release(m->field);
     vv_field_release(m->mask);
     m->field = m->mask = NULL;
+    free(m->outline);
+    m->outline = NULL;
 }
 
 /* Plots ----------------------------------------------------------------------------------------------------------- */

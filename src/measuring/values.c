@@ -190,7 +190,7 @@ static vv_status find_values(vv_values **out, bool *object, vvi_measuring *m, bo
         of.hi = INFINITY;
     }
     *object = m->chosen && !(histogram && range);
-    if (*object || m->n_planes || m->asked->box)
+    if (*object || vvi_measuring_is_part(m))
         o.of = &of;
     if (m->asked->range && m->asked->range->n == 2) {
         o.lo = m->asked->range->v[0];

@@ -20,6 +20,39 @@ const vv_class vvi_measured_figure_class = {
     .properties = figure,
 };
 
+static const char *const region_kinds[] = {"none", "box", "ellipse", "polygon", "ellipsoid", NULL};
+static const char *const region_aliases[] = {"rectangle", "box",     "oval",   "ellipse",   "circle", "ellipse",
+                                             "freehand",  "polygon", "sphere", "ellipsoid", NULL};
+
+/* Also options of `volvis measure`. */
+static const vv_property region[] = {
+    {VV_PROP(vv_measured_region, kind), .kind = VV_KIND_ENUM, .option = "region", .names = region_kinds,
+     .aliases = region_aliases,
+     .doc = "only samples whose centres are in this: ellipse and polygon as thick as a slice, or as is said; a box as "
+            "thin as that is a rectangle"},
+    {VV_PROP(vv_measured_region, center), .kind = VV_KIND_VEC3, .automatic = "needed",
+     .when = "kind=box|ellipse|ellipsoid", .doc = "the middle of the region, in --space as all places"},
+    {VV_PROP(vv_measured_region, size), .kind = VV_KIND_VEC3, .automatic = "needed",
+     .when = "kind=box|ellipse|ellipsoid",
+     .doc = "the whole extents of the region along --right, upwards and along --normal; the last 0 is one slice"},
+    {VV_PROP(vv_measured_region, normal), .kind = VV_KIND_VEC3, .when = "kind=box|ellipse|polygon|ellipsoid",
+     .automatic = "z; of a polygon that of its outline", .doc = "across the plane of the region"},
+    {VV_PROP(vv_measured_region, right), .kind = VV_KIND_VEC3, .when = "kind=box|ellipse|ellipsoid",
+     .automatic = "x, or the axis that lies best in its plane", .doc = "along the first extent of the region"},
+    {VV_PROP(vv_measured_region, outline), .kind = VV_KIND_NUMBERS, .columns = 3, .option = "vertex",
+     .when = "kind=polygon", .automatic = "needed",
+     .doc = "a corner of the polygon, in order; the last one and the first are joined"},
+    {VV_PROP(vv_measured_region, thickness), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
+     .automatic = "one slice", .when = "kind=polygon", .doc = "of the polygon, along --normal"},
+    {0},
+};
+const vv_class vvi_measured_region_class = {
+    .name = "region",
+    .doc = "where something is measured",
+    .size = sizeof(vv_measured_region),
+    .properties = region,
+};
+
 static const char *const kinds[] = {"summary",  "area",  "volume", "box",      "statistics", "histogram", "profile",
                                     "distance", "angle", "labels", "geodesic", "joint",      "point",     NULL};
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
@@ -89,6 +122,8 @@ static const vv_property measurement[] = {
      .doc = "which volume of the scene, where it is not of a file"},
     {VV_PROP(vv_measurement, visible), .kind = VV_KIND_BOOL, .option = "", .def = 1,
      .doc = "pictures whose decorations include measurements show it where it is"},
+    {VV_PROP(vv_measurement, region), .kind = VV_KIND_OBJECT, .cls = &vvi_measured_region_class, .option = "",
+     .doc = "only samples whose centres are in a region"},
     {0},
 };
 const vv_class vvi_measurement_class = {

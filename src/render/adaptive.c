@@ -79,7 +79,7 @@ static bool surprises(const adaptive *a, int32_t i, int32_t j, int side)
     for (int32_t j = (tile)->y0 / VVI_COARSE; j < (a)->n_down && j * VVI_COARSE < (tile)->y1; j++)                     \
         for (int32_t i = (tile)->x0 / VVI_COARSE; i < (a)->n_across && i * VVI_COARSE < (tile)->x1; i++)
 
-static vv_status compare_corners(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status compare_corners(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                  vv_render_counts *counts)
 {
     const adaptive *a = user;
@@ -112,7 +112,7 @@ static bool is_surprised(const adaptive *a, int32_t i, int32_t j)
 
 /* What a fresh neighbour showed makes a square wanted. Neighbours in other tiles may become wanted at the same time;
  * whether they are fresh does not change here. */
-static vv_status compare_sides(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status compare_sides(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                vv_render_counts *counts)
 {
     adaptive *a = user;
@@ -127,16 +127,16 @@ static vv_status compare_sides(vvi_picture *picture, void *user, const vv_tile *
 }
 
 /* The rays of squares i0 .. i1 - 1 of one row. */
-static vv_status render_run(vvi_picture *picture, adaptive *a, int32_t i0, int32_t i1, int32_t j, vv_image *scratch,
+static vv_status render_run(vv_picture *picture, adaptive *a, int32_t i0, int32_t i1, int32_t j, vv_image *scratch,
                             vv_render_counts *counts)
 {
     const int32_t x = i0 * VVI_COARSE, y = j * VVI_COARSE, right = i1 * VVI_COARSE, bottom = y + VVI_COARSE;
-    const vv_tile tile = {x, y, right < picture->image->width ? right : picture->image->width,
-                          bottom < picture->image->height ? bottom : picture->image->height};
-    return vvi_preview_render(picture, a->canvas, &tile, scratch, counts);
+    const vv_tile tile = {x, y, right < picture->scene->width ? right : picture->scene->width,
+                          bottom < picture->scene->height ? bottom : picture->scene->height};
+    return vvi_preview_render(picture, &tile, scratch, counts);
 }
 
-static vv_status render_wanted(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status render_wanted(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                                vv_render_counts *counts)
 {
     adaptive *a = user;
@@ -157,7 +157,7 @@ static vv_status render_wanted(vvi_picture *picture, void *user, const vv_tile *
     return VV_OK;
 }
 
-static vv_status fill_in(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status fill_in(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                          vv_render_counts *counts)
 {
     const adaptive *a = user;
@@ -175,7 +175,7 @@ static vv_status fill_in(vvi_picture *picture, void *user, const vv_tile *tile, 
     return VV_OK;
 }
 
-static vv_status run(vvi_picture *picture, adaptive *a)
+static vv_status run(vv_picture *picture, adaptive *a)
 {
     vvi_tiles tiles = {.width = a->n_across * VVI_COARSE, .height = a->n_down * VVI_COARSE, .user = a, .quiet = true};
     vv_status st;
@@ -200,8 +200,9 @@ static vv_status run(vvi_picture *picture, adaptive *a)
     return vvi_picture_loop(picture, &tiles);
 }
 
-vv_status vvi_adaptive_finish(vvi_picture *picture, vv_image *canvas)
+vv_status vvi_adaptive_finish(vv_picture *picture)
 {
+    vv_image *canvas = picture->got.canvas;
     adaptive a = {
         .canvas = canvas, .n_across = (canvas->width - 1) / VVI_COARSE, .n_down = (canvas->height - 1) / VVI_COARSE};
     const size_t n = (size_t)a.n_across * (size_t)a.n_down;

@@ -81,15 +81,20 @@ static vv_status pick_one(void *scratch, void *user, size_t index)
     *out = (vv_picked){.pixel = pixel, .depth = INFINITY, .value = NAN};
     if (p->whole)
         return pick_drawn(p, out);
-    vv_status st = vv_image_new(&image, 1, 1, VV_LAYER_DEPTH, p->job);
+    const unsigned layers = VV_LAYER_DEPTH | (p->scene->n_mesh_actors ? VV_LAYER_ID : 0);
+    vv_status st = vv_image_new(&image, 1, 1, layers, p->job);
     if (st != VV_OK)
         return st;
+    if (image->id)
+        image->id[0] = 0;
     st = p->scene->renderer->render(p->state, &pass, &(vv_tile){0, 0, 1, 1}, image, &counts, p->job);
     if (st == VV_OK)
         take_pixel(out, image, 0);
-    vv_image_release(image);
-    if (st == VV_OK && out->hit)
+    if (st == VV_OK && image->id && image->id[0] > p->scene->n_actors)
+        out->id = image->id[0]; /* of a mesh: see describe_shapes() */
+    else if (st == VV_OK && out->hit)
         describe(out, p);
+    vv_image_release(image);
     return st;
 }
 
@@ -214,15 +219,17 @@ static vv_status describe_shape(vv_picked *out, vvi_gfx *gfx, const picking *p)
 
 static vv_status describe_shapes(const picking *p, size_t n)
 {
-    const size_t n_mesh_actors = p->whole ? p->scene->n_mesh_actors : 0,
-                 bytes = (n_mesh_actors + 1) * sizeof(vv_mesh_info);
+    const size_t n_mesh_actors = p->scene->n_mesh_actors, bytes = (n_mesh_actors + 1) * sizeof(vv_mesh_info);
     vvi_gfx *gfx = NULL;
     if (!n_mesh_actors)
         return VV_OK;
     vv_mesh_info *shown = vvi_alloc(p->job, bytes, VVI_MEM_SCRATCH);
     if (!shown)
         return vv_fail_memory(bytes);
-    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = p->whole}, p->job);
+    vv_image *canvas = p->whole ? vv_image_retain(p->whole) : NULL;
+    vv_status st = canvas ? VV_OK : vv_image_new(&canvas, p->scene->width, p->scene->height, 0, p->job);
+    if (st == VV_OK)
+        st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = canvas}, p->job);
     if (st == VV_OK)
         vvi_gfx_camera(gfx, &p->scene->lens);
     for (size_t i = 0; i < n_mesh_actors && st == VV_OK; i++)
@@ -230,6 +237,7 @@ static vv_status describe_shapes(const picking *p, size_t n)
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st = p->out[i].rgba[3] > 0 ? describe_shape(&p->out[i], gfx, p) : VV_OK;
     vvi_gfx_abandon(gfx);
+    vv_image_release(canvas);
     vvi_free(shown);
     return st;
 }

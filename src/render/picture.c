@@ -1,172 +1,274 @@
-/* What all parts of a picture need: loops over tiles, tiles of a pass, the background. */
+/* A picture: a scene, the renderer's preparation, what was gathered, and in which order its stages come. */
 #include "render/picture.h"
+#include "core/cpu.h"
+#include "core/cpu_select.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/status.h"
-#include "image/image_layer.h"
+#include "gfx/gfx.h"
 #include "render/decorate/decorate.h"
+#include "scene/resolve.h"
 #include <string.h>
 
-/* Tiles ---------------------------------------------------------------------------------------------------------- */
+/* Its end --------------------------------------------------------------------------------------------------------- */
 
-typedef struct loop {
-    vvi_picture *picture;
-    const vvi_tiles *tiles;
-    size_t n_across;
-    vv_render_counts *counts; /* by tile: summed in their order */
-} loop;
-
-static vv_status start(void **scratch_out, void *shared, int worker)
+/* A picture of nothing is rarely what was meant, and says nothing of why. */
+static void warn_of_nothing(const vv_picture *picture)
 {
-    const loop *l = shared;
-    vv_image *image = NULL;
-    vv_status st = VV_OK;
-    (void)worker;
-    if (l->tiles->scratch)
-        st = vv_image_new(&image, VVI_TILE, VVI_TILE, l->picture->scene->layers, l->picture->job);
-    *scratch_out = image;
-    return st;
+    if (picture->got.counts.covered)
+        return;
+    vvi_log(picture->job, VV_LOG_WARNING, "render", "%s",
+            picture->scene->n_actors + picture->scene->n_mesh_actors
+                ? "nothing is seen: every value is transparent, cut away or outside the view; check the transfer "
+                  "function or iso value, the cuts and the camera"
+                : "nothing is seen: no volume is visible");
 }
 
-static void finish(void *scratch, void *shared)
+static bool is_translucent(const vv_mesh_actor *shape)
 {
-    (void)shared;
-    vv_image_release(scratch);
+    vv_mesh_info shown = *vv_mesh_get_info(shape->mesh);
+    if (shape->parts)
+        shown.parts = shape->parts;
+    if (shape->colors)
+        shown.colors = shape->colors;
+    return vvi_gfx_is_translucent(
+        &(vvi_gfx_surface){.mesh = &shown, .color.a = shape->opacity, .one_color = shape->one_color});
 }
 
-static vv_status do_tile(void *scratch, void *shared, size_t index)
+/* They are blended over what the layers tell of, which is the first opaque thing. Said once, of the first of them. */
+static void warn_of_layers(const vv_picture *picture)
 {
-    loop *l = shared;
-    const int32_t x = (int32_t)(index % l->n_across) * VVI_TILE, y = (int32_t)(index / l->n_across) * VVI_TILE;
-    const int32_t right = x + VVI_TILE, bottom = y + VVI_TILE;
-    const vv_tile tile = {x, y, right < l->tiles->width ? right : l->tiles->width,
-                          bottom < l->tiles->height ? bottom : l->tiles->height};
-    return l->tiles->tile(l->picture, l->tiles->user, &tile, scratch, &l->counts[index]);
+    const vv_scene *scene = picture->scene;
+    const vv_render_choice *choice = (const vv_render_choice *)(const void *)scene->view->render;
+    const vv_layer_choice *layers = (const vv_layer_choice *)(const void *)choice->layers;
+    size_t i = 0;
+    if (!(layers->depth || layers->normal || layers->id || layers->value))
+        return;
+    while (i < scene->n_mesh_actors && !is_translucent(&scene->mesh_actors[i]))
+        i++;
+    if (i < scene->n_mesh_actors)
+        vvi_log(picture->job, VV_LOG_WARNING, "render",
+                "volumes.%s: is a translucent mesh: the layers hold what is seen behind such meshes; 'volvis pick' "
+                "reports them too, and a colour without transparency puts them into the layers",
+                scene->mesh_actors[i].look.id);
 }
 
-vv_status vvi_picture_loop(vvi_picture *picture, const vvi_tiles *tiles)
+static vv_status count_covered(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+                               vv_render_counts *counts)
 {
-    loop l = {.picture = picture, .tiles = tiles, .n_across = ((size_t)tiles->width + VVI_TILE - 1) / VVI_TILE};
-    const size_t n = l.n_across * (((size_t)tiles->height + VVI_TILE - 1) / VVI_TILE);
-    vvi_work work = {.stage = "render", .start = start, .item = do_tile, .finish = finish, .yields = true};
-    work.n_before = picture->n_done;
-    work.n_after = picture->n_ahead > n ? picture->n_ahead - n : 0;
-    if (tiles->quiet)
-        work = (vvi_work){.start = start, .item = do_tile, .finish = finish, .yields = true};
-    l.counts = vvi_alloc_zeroed(picture->job, n * sizeof *l.counts, VVI_MEM_SCRATCH);
-    if (!l.counts)
-        return vv_fail_memory(n * sizeof *l.counts);
-    const vv_status st = vvi_parallel_for(picture->job, &work, &l, n);
-    for (size_t i = 0; i < n; i++) {
-        picture->counts.rays += l.counts[i].rays;
-        picture->counts.samples += l.counts[i].samples;
-        picture->counts.covered += l.counts[i].covered;
-    }
-    vvi_free(l.counts);
-    if (!tiles->quiet) {
-        picture->n_done += n;
-        picture->n_ahead = work.n_after;
-    }
-    return st;
-}
-
-/* Passes --------------------------------------------------------------------------------------------------------- */
-
-static void clear_layer(vv_image *image, size_t index, const vv_tile *tile)
-{
-    const vvi_layer *row = vvi_layer_nth(index);
-    float *layer = vvi_image_layer(image, index);
-    const size_t n = (size_t)(tile->x1 - tile->x0) * row->channels;
-    for (int32_t y = tile->y0; layer && y < tile->y1; y++) {
-        float *p = layer + ((size_t)y * (size_t)image->width + (size_t)tile->x0) * row->channels;
-        for (size_t i = 0; i < n; i++)
-            p[i] = row->empty;
-    }
-}
-
-vv_status vvi_picture_render(vvi_picture *picture, const vv_pass *pass, const vv_tile *tile, vv_image *image,
-                             vv_render_counts *counts)
-{
-    for (int32_t y = tile->y0; y < tile->y1; y++)
-        memset(image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)tile->x0), 0,
-               (size_t)(tile->x1 - tile->x0) * 4 * sizeof(float));
-    for (size_t i = 0; i < VV_LAYER_COUNT; i++)
-        clear_layer(image, i, tile);
-    const vv_status st = picture->scene->renderer->render(picture->state, pass, tile, image, counts, picture->job);
-    for (int32_t y = tile->y0; image->samples && y < tile->y1; y++)
-        for (int32_t x = tile->x0; x < tile->x1; x++)
-            image->samples[(size_t)y * (size_t)image->width + (size_t)x] = 1;
-    return st;
-}
-
-/* One step of the splitmix64 sequence: every pass has a seed that tells nothing of the others. */
-static uint64_t mixed(uint64_t seed, uint64_t number)
-{
-    uint64_t z = seed + (number + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
-vv_pass vvi_picture_pass(const vvi_picture *picture, double x, double y, int32_t stride, uint64_t number)
-{
-    return (vv_pass){.x = x, .y = y, .stride = stride, .number = number, .seed = mixed(picture->scene->seed, number)};
-}
-
-/* The background ------------------------------------------------------------------------------------------------- */
-
-/* Light that came from elsewhere stands in the image then; and where something is seen is counted. */
-static vv_status put_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
-                          vv_render_counts *counts)
-{
-    const float *light = user;
-    const vv_image *image = picture->image;
+    const vv_image *image = picture->got.image;
     for (int32_t y = tile->y0; y < tile->y1; y++) {
-        const size_t at = 4 * ((size_t)y * (size_t)image->width + (size_t)tile->x0);
-        const size_t n = 4 * (size_t)(tile->x1 - tile->x0);
-        if (light != image->rgba)
-            memcpy(image->rgba + at, light + at, n * sizeof *light);
-        for (size_t i = 3; i < n; i += 4)
-            counts->covered += light[at + i] > 0;
+        const float *light = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)tile->x0);
+        for (int32_t x = tile->x0; x < tile->x1; x++, light += 4)
+            counts->covered += light[3] > 0;
     }
     return VV_OK;
 }
 
-static vv_status show_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
-                           vv_render_counts *counts)
+static vv_status end_whole(vv_picture *picture)
 {
-    const float *back = picture->scene->background;
-    const vv_image *image = picture->image;
-    for (int32_t y = tile->y0; y < tile->y1; y++) {
-        for (int32_t x = tile->x0; x < tile->x1; x++) {
-            float *light = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
-            const float through = 1 - light[3];
-            for (size_t c = 0; c < 4; c++) /* premultiplied and linear; a transparent one changes nothing */
-                light[c] += through * back[c];
-        }
-    }
-    return VV_OK;
-}
-
-vv_status vvi_picture_show(vvi_picture *picture, const float *light)
-{
-    vvi_tiles tiles = {
-        .width = picture->image->width, .height = picture->image->height, .tile = put_tile, .quiet = true};
-    tiles.user = (void *)(light ? light : picture->image->rgba);
-    vv_status st = vvi_picture_loop(picture, &tiles);
-    if (picture->bare)
+    const vv_image *image = picture->got.image;
+    vvi_gathered_finish_passes(&picture->got);
+    const vv_status st = vvi_picture_loop(
+        picture, &(vvi_tiles){.width = image->width, .height = image->height, .tile = count_covered, .quiet = true});
+    if (st != VV_OK)
         return st;
-    if (st == VV_OK && vvi_decorate_wanted(picture->scene))
-        st = vvi_decorate(picture->image, picture->scene, picture->job);
-    tiles.tile = show_tile;
-    return st == VV_OK ? vvi_picture_loop(picture, &tiles) : st;
+    warn_of_nothing(picture);
+    warn_of_layers(picture);
+    return VV_OK;
 }
 
-void vvi_picture_tell(vvi_picture *picture, int level, bool final)
+/* Samples that went while they were drawn were drawn as 0. */
+vv_status vvi_scene_health(const vv_scene *scene)
 {
-    const vv_render_options *options = picture->options;
-    const vv_refinement refinement = {
-        .image = picture->image, .level = level, .passes = picture->passes, .final = final};
-    if (options->on_refined)
-        options->on_refined(options->user, &refinement);
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        st = vv_field_health(actor->field);
+        if (st == VV_OK && actor->colors)
+            st = vv_field_health(actor->colors);
+        if (st != VV_OK)
+            st = vv_fail_in(st, "volumes.%s", actor->id);
+    }
+    return st;
+}
+
+static void work_in(vv_picture *picture, vv_job *job)
+{
+    picture->job = job;
+    picture->isa = vvi_cpu_name(vvi_job_cpu(job));
+    picture->threads = vvi_job_threads(job);
+}
+
+/* Steps ----------------------------------------------------------------------------------------------------------- */
+
+double vvi_picture_spent(const vv_picture *picture)
+{
+    return picture->got.spent_s + (vvi_render_clock() - picture->began_s);
+}
+
+void vv_picture_until_init(vv_picture_until *until, size_t size)
+{
+    const vv_picture_until all = {.size = size};
+    memcpy(until, &all, size < sizeof all ? size : sizeof all);
+}
+
+bool vv_picture_is_whole(const vv_picture *picture)
+{
+    return picture->got.stage == VVI_STAGE_END;
+}
+
+double vv_picture_done(const vv_picture *picture)
+{
+    const double done = (double)picture->n_done, all = done + (double)picture->n_ahead;
+    return vv_picture_is_whole(picture) ? 1 : all > 0 ? done / all : 0;
+}
+
+int vv_picture_level(const vv_picture *picture)
+{
+    const vvi_gathered *got = &picture->got;
+    return got->passes > 0 ? 2 : got->grid > 3 ? 1 : got->grid > 0 ? 0 : -1;
+}
+
+static vv_status is_enough(bool *out, vv_picture *picture, const vv_picture_until *until, int64_t seen)
+{
+    const vvi_gathered *got = &picture->got;
+    const bool judged = got->stage != VVI_STAGE_JUDGE;
+    *out = got->stage == VVI_STAGE_END || (picture->deadline_s > 0 && vvi_render_clock() > picture->deadline_s) ||
+           (until->better && judged && got->passes + vv_picture_level(picture) > seen) ||
+           (until->passes > 0 && judged && got->passes >= until->passes);
+    return !*out && until->noise > 0 && got->stage == VVI_STAGE_RAYS ? vvi_noise_is_below(out, picture, until->noise)
+                                                                     : VV_OK;
+}
+
+vv_status vv_picture_step(vv_picture *picture, const vv_picture_until *until, vv_job *job)
+{
+    vv_picture_until all;
+    const int64_t seen = picture->got.passes + vv_picture_level(picture);
+    vv_status st = VV_OK;
+    bool enough = vv_picture_is_whole(picture);
+    vv_picture_until_init(&all, sizeof all);
+    if (until)
+        memcpy(&all, until, until->size < sizeof all ? until->size : sizeof all);
+    if (all.noise > 0 && !(picture->scene->noise > 0))
+        return vv_fail(VV_E_ARGUMENT, "the noise of this picture is not known: set render.noise of its view");
+    work_in(picture, job);
+    picture->began_s = vvi_render_clock();
+    picture->deadline_s = all.seconds > 0 ? picture->began_s + all.seconds : 0;
+    while (st == VV_OK && !enough) {
+        st = vvi_picture_do_stage(picture);
+        if (st == VV_OK && vv_picture_is_whole(picture))
+            st = end_whole(picture);
+        if (st == VV_OK)
+            st = is_enough(&enough, picture, &all, seen);
+    }
+    picture->got.spent_s = vvi_picture_spent(picture);
+    return st == VV_OK ? vvi_scene_health(picture->scene) : st;
+}
+
+void vv_picture_report(vv_render_report *out, const vv_picture *picture)
+{
+    const vvi_gathered *got = &picture->got;
+    *out = (vv_render_report){
+        .method = picture->scene->renderer->name,
+        .isa = picture->isa,
+        .threads = picture->threads,
+        .load_s = picture->load_s,
+        .prepare_s = picture->prepare_s,
+        .render_s = got->spent_s,
+        .rays = got->counts.rays,
+        .samples = got->counts.samples,
+        .passes = got->passes,
+        .ended_by = got->ended_by,
+    };
+}
+
+/* New and gone ---------------------------------------------------------------------------------------------------- */
+
+vv_status vvi_accepts(const vv_scene *scene)
+{
+    const vv_renderer *renderer = scene->renderer;
+    if (!renderer->render && !renderer->draw)
+        return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
+    if (scene->n_mesh_actors && !renderer->mesh_actors)
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; use method=surface",
+                       scene->mesh_actors[0].look.id, renderer->name);
+    return renderer->accepts ? renderer->accepts(scene) : VV_OK;
+}
+
+/* Tiles behind and ahead; at most: noise and time may end it before. */
+static void foresee(vv_picture *picture)
+{
+    const vv_scene *scene = picture->scene;
+    const uint64_t across = ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE;
+    const uint64_t tiles = across * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
+    const uint64_t passes = (uint64_t)picture->got.passes, all = (uint64_t)scene->samples;
+    uint64_t begun = 0;
+    for (size_t i = 0; i < picture->got.n_tiles; i++)
+        begun += picture->got.stage != VVI_STAGE_ADD && picture->got.done[i];
+    picture->n_done = tiles * passes + begun;
+    picture->n_ahead = tiles * all > picture->n_done ? tiles * all - picture->n_done : 0;
+}
+
+static vvi_stage first_stage(const vv_picture *picture)
+{
+    const vv_scene *scene = picture->scene;
+    const bool coarse = scene->adaptive || (picture->coarse && !scene->renderer->plane);
+    return scene->renderer->draw ? VVI_STAGE_DRAW : coarse ? VVI_STAGE_GRID : VVI_STAGE_FIRST;
+}
+
+static vv_status prepare(vv_picture *picture)
+{
+    const vv_scene *scene = picture->scene;
+    vv_status st = vvi_accepts(scene);
+    if (st == VV_OK)
+        st = vvi_decorate_check(scene);
+    if (st == VV_OK)
+        st = vvi_gathered_begin(&picture->got, scene, first_stage(picture), picture->job);
+    if (st == VV_OK && scene->renderer->prepare)
+        st = scene->renderer->prepare(&picture->state, scene, picture->job);
+    return st;
+}
+
+vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bool coarse, vv_job *job)
+{
+    const double start_s = vvi_render_clock();
+    *out = NULL;
+    vv_picture *picture = vvi_alloc_zeroed(job, sizeof *picture, VVI_MEM_MODEL);
+    if (!picture)
+        return vv_fail_memory(sizeof *picture);
+    picture->coarse = coarse;
+    work_in(picture, job);
+    vv_status st = vv_scene_resolve(&picture->scene, world, view, job);
+    if (st == VV_OK && (st = prepare(picture)) != VV_OK) {
+        vv_scene_release(picture->scene); /* the renderer has prepared nothing */
+        picture->scene = NULL;
+    }
+    if (st != VV_OK) {
+        vv_picture_free(picture);
+        return st;
+    }
+    picture->load_s = ((const vvi_resolved *)(const void *)picture->scene)->load_s;
+    picture->prepare_s = vvi_render_clock() - start_s - picture->load_s;
+    foresee(picture);
+    *out = picture;
+    return VV_OK;
+}
+
+void vvi_picture_adopt(vv_picture *picture, vvi_gathered *got)
+{
+    vvi_gathered_finish(&picture->got);
+    picture->got = *got;
+    *got = (vvi_gathered){.image = NULL};
+    foresee(picture);
+}
+
+void vv_picture_free(vv_picture *picture)
+{
+    if (!picture)
+        return;
+    if (picture->scene && picture->scene->renderer->finish)
+        picture->scene->renderer->finish(picture->state);
+    vvi_gathered_finish(&picture->got);
+    vv_scene_release(picture->scene);
+    vvi_free(picture);
 }

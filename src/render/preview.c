@@ -29,7 +29,7 @@ static void scatter(const grid *g, const vv_tile *tile, const vv_image *from)
 }
 
 /* Tiles of the grid; scratch: room for its rays. */
-static vv_status render_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status render_tile(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                              vv_render_counts *counts)
 {
     const grid *g = user;
@@ -42,49 +42,50 @@ static vv_status render_tile(vvi_picture *picture, void *user, const vv_tile *ti
     return st;
 }
 
-vv_status vvi_preview_render(vvi_picture *picture, vv_image *canvas, const vv_tile *tile, vv_image *scratch,
-                             vv_render_counts *counts)
+vv_status vvi_preview_render(vv_picture *picture, const vv_tile *tile, vv_image *scratch, vv_render_counts *counts)
 {
-    return render_tile(picture, &(grid){canvas, 0, 0, 1}, tile, scratch, counts);
-}
-
-static vv_status render_grid(vvi_picture *picture, grid *g)
-{
-    const vvi_tiles tiles = {.width = (g->canvas->width - 1 - g->x) / g->stride + 1,
-                             .height = (g->canvas->height - 1 - g->y) / g->stride + 1,
-                             .tile = render_tile,
-                             .user = g,
-                             .scratch = true};
-    return g->x < g->canvas->width && g->y < g->canvas->height ? vvi_picture_loop(picture, &tiles) : VV_OK;
+    return render_tile(picture, &(grid){picture->got.canvas, 0, 0, 1}, tile, scratch, counts);
 }
 
 /* Whole squares of VVI_COARSE for n pixels, and where the last one ends. */
-static int32_t grown(int32_t n)
+int32_t vvi_preview_size(int32_t n)
 {
     return (n + VVI_COARSE - 1) / VVI_COARSE * VVI_COARSE + 1;
 }
 
-vv_status vvi_preview_begin(vv_image **canvas_out, vvi_picture *picture)
+int32_t vvi_preview_stride(int32_t grids)
 {
-    const int32_t width = grown(picture->scene->width), height = grown(picture->scene->height);
-    const vv_status st = vv_image_new(canvas_out, width, height, picture->scene->layers, picture->job);
-    if (st != VV_OK)
-        return st;
-    return render_grid(picture, &(grid){*canvas_out, 0, 0, VVI_COARSE});
+    int32_t stride = VVI_COARSE;
+    for (int32_t whole = 4; grids >= whole && stride > 1; whole += 3)
+        stride /= 2;
+    return stride;
 }
 
-vv_status vvi_preview_refine(vvi_picture *picture, vv_image *canvas, int32_t stride)
+/* The first has all of its pixels; of each three that follow one has the columns, one the rows and one the middles
+ * between those that are there. */
+static grid grid_nth(vv_image *canvas, int32_t n)
 {
-    vv_status st = VV_OK;
-    for (int i = 1; i < 4 && st == VV_OK; i++)
-        st = render_grid(picture, &(grid){canvas, i % 2 * stride / 2, i / 2 * stride / 2, stride});
-    return st;
+    const int32_t stride = n ? vvi_preview_stride(n) : VVI_COARSE, i = n ? (n - 1) % 3 + 1 : 0;
+    return (grid){canvas, i % 2 * stride / 2, i / 2 * stride / 2, stride};
+}
+
+vv_status vvi_preview_go_on(bool *whole_out, vv_picture *picture)
+{
+    grid g = grid_nth(picture->got.canvas, picture->got.grid);
+    const vvi_tiles tiles = {.width = (g.canvas->width - 1 - g.x) / g.stride + 1,
+                             .height = (g.canvas->height - 1 - g.y) / g.stride + 1,
+                             .tile = render_tile,
+                             .user = &g,
+                             .scratch = true};
+    *whole_out = true; /* a canvas of one pixel has nothing between */
+    return g.x < g.canvas->width && g.y < g.canvas->height ? vvi_picture_go_on(whole_out, picture, &tiles) : VV_OK;
 }
 
 /* Showing it ----------------------------------------------------------------------------------------------------- */
 
 typedef struct showing {
     const vv_image *canvas;
+    vv_image *image;
     int32_t stride;
 } showing;
 
@@ -126,11 +127,11 @@ static void copy_tile(const vv_image *to, const vv_image *from, const vv_tile *t
     }
 }
 
-static vv_status show_tile(vvi_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
+static vv_status show_tile(vv_picture *picture, void *user, const vv_tile *tile, vv_image *scratch,
                            vv_render_counts *counts)
 {
     const showing *s = user;
-    const vv_image *image = picture->image;
+    const vv_image *image = s->image;
     if (s->stride == 1) {
         copy_tile(image, s->canvas, tile);
         return VV_OK;
@@ -143,10 +144,10 @@ static vv_status show_tile(vvi_picture *picture, void *user, const vv_tile *tile
     return VV_OK;
 }
 
-vv_status vvi_preview_show(vvi_picture *picture, const vv_image *canvas, int32_t stride)
+vv_status vvi_preview_show(vv_picture *picture, vv_image *image, int32_t stride)
 {
-    showing s = {canvas, stride};
+    showing s = {picture->got.canvas, image, stride};
     const vvi_tiles tiles = {
-        .width = picture->image->width, .height = picture->image->height, .tile = show_tile, .user = &s, .quiet = true};
+        .width = image->width, .height = image->height, .tile = show_tile, .user = &s, .quiet = true};
     return vvi_picture_loop(picture, &tiles);
 }

@@ -157,11 +157,9 @@ static vv_status is_large(bool *out, const vvi_made *made, const vv_field_info *
 }
 
 /* What a checksum is of is read whole. */
-static bool streams(const vvi_made_run *all)
+static bool may_stream(const vvi_made_run *all)
 {
-    bool parts = all->n_steps > 0;
-    for (size_t s = 0; s < all->n_steps; s++)
-        parts = parts && all->step[s].operation->run_box;
+    bool parts = true;
     for (size_t i = 0; i < all->n_inputs; i++)
         parts = parts && !all->of_input[i]->checksum;
     return parts;
@@ -187,7 +185,8 @@ static vv_status run_in_parts(vv_data *out, const vvi_made *made, int64_t frame,
     vv_run *run = NULL;
     vv_status st = vvi_made_run_open(&all, made->world, made->dataset, -1, job);
     const vvi_run_plan plan = vvi_made_run_plan(&all, made->operation->name);
-    if (st == VV_OK && streams(&all) && (st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job)) == VV_OK &&
+    if (st == VV_OK && may_stream(&all) &&
+        (st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job)) == VV_OK &&
         vv_run_get_about(run)->streamed && (st = vv_run_make(run)) == VV_OK)
         st = take_result(out, run, frame, job);
     vv_run_release(run);

@@ -44,8 +44,9 @@ vv_status vvi_made_settled(vv_object **out, const vvi_made *made, vv_job *job);
 vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status status);
 
 /** Whether samples of one box can be made without all others: with these parameters a sample depends on those around it
- * alone, or on what the operation looks at by itself. */
-bool vvi_made_is_local(const vvi_made *made, const vv_object *params);
+ * alone, or on what the operation looks at by itself, which is quick. n_frames: of the result; what is looked at for
+ * all time steps together is not local. */
+bool vvi_made_is_local(const vvi_made *made, const vv_object *params, int64_t n_frames);
 
 /** A dataset that is made is worked out, unless it is kept: its samples of a time step, or its mesh, yours to release.
  * The job is told what was found when it was worked out (vv_job_finding()), and nothing else. Errors: those of

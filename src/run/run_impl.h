@@ -60,6 +60,7 @@ struct vv_run {
     vv_job *job;
     const char *path; /* of the output */
     bool written, settled;
+    bool whole;     /* a step takes all samples at once */
     int64_t chosen; /* the time step that was chosen of the first input, and holds for others; -1: none was */
     vv_run_about about;
     int64_t n_results; /* time steps, or layers */

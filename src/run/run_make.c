@@ -61,7 +61,7 @@ vv_status vvi_run_grid(vv_field **out, const vv_field_info *info, vv_job *job)
     const vvi_lazy_source none = {.make = refuse_samples};
     vvi_lazy_pool *pool;
     *out = NULL;
-    vv_status st = vvi_lazy_pool_new(&pool, 1, job);
+    vv_status st = vvi_lazy_pool_new(&pool, 1, 0, job);
     if (st == VV_OK)
         st = vvi_field_lazy(out, info, &none, pool, job);
     vvi_lazy_pool_release(pool);
@@ -324,8 +324,9 @@ vv_status vvi_run_make_all(vv_run *r)
     vv_status st = VV_OK;
     if (r->about.makes == VV_IS_MESH && first->frame < 0 && first->file)
         vvi_run_note_first(vv_file_info(first->file)->n_frames, r->job);
-    if (r->about.makes == VV_IS_FIELD && ((st = vvi_memory_plan(r->job, r->about.bytes, r->name)) != VV_OK ||
-                                          (st = allow_repeats(r)) != VV_OK || (st = settle_together(r)) != VV_OK))
+    if (r->about.makes == VV_IS_FIELD &&
+        ((st = vvi_memory_plan(r->job, r->about.bytes + r->about.working, r->name)) != VV_OK ||
+         (st = allow_repeats(r)) != VV_OK || (st = settle_together(r)) != VV_OK))
         return st;
     r->results = vvi_calloc((size_t)r->n_results, sizeof *r->results);
     if (!r->results)

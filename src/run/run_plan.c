@@ -167,6 +167,9 @@ static vv_status plan_step(vv_run *r, size_t s)
     }
     const uint64_t working = o->memory ? o->memory(infos, o->joins ? 1 : takes->n, step->params) : 0;
     r->about.working = working > r->about.working ? working : r->about.working;
+    r->whole |= !(o->run_box && working == 0) && !o->passes;
+    if (o->passes && o->passes->scratch)
+        r->about.scratch += o->passes->scratch(infos, o->joins ? 1 : takes->n, step->params);
     r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     return VV_OK;
 }
@@ -219,16 +222,17 @@ static vv_status plan_reading(vv_run *r)
 static vv_status plan_memory(vv_run *r)
 {
     vv_status st = VV_OK;
-    bool streamed = vvi_stream_needed(r->about.bytes, r->job);
+    const bool streamed = vvi_stream_needed(r->about.bytes, r->job) && !r->whole;
     size_t place[VVI_RUN_INPUTS] = {0}, n = 0;
-    for (size_t s = 0; s < r->n_steps; s++)
-        streamed = streamed && r->steps[s].operation->run_box;
     for (size_t i = 0; i < r->n_inputs; i++) { /* the first that has a pool comes first */
         place[i] = r->nodes[i].pool == i ? n++ : place[r->nodes[i].pool];
         r->nodes[i].pool = place[i];
     }
-    if (streamed && (st = vvi_stream_init(&r->stream, n, r->n_steps, r->job)) == VV_OK)
+    if (streamed && (st = vvi_stream_init(&r->stream, n, r->n_steps, r->job)) == VV_OK) {
         r->about.bytes = r->stream.bytes;
+        r->about.working = 0;
+    } else
+        r->about.scratch = 0;
     r->about.streamed = streamed;
     return st;
 }

@@ -19,7 +19,17 @@ void vvi_stream_free(vvi_stream *stream)
     *stream = (vvi_stream){0};
 }
 
-/* Each pool keeps two slabs, and making one may take a few more. */
+/* Each pool keeps two slabs, and making one may take a few more. Those of the result are as thick as can be, as what
+ * steps look at around a slab is made and read over and over; where there is no room for them they get thinner, and
+ * those on the way to them a little. */
+static vv_status add_pool(vvi_stream *stream, uint64_t slab_bytes, bool is_result, vv_job *job)
+{
+    const uint64_t most = is_result ? vv_runtime_memory_limit(vv_job_runtime(job)) / 4 : slab_bytes;
+    const vv_status st = vvi_lazy_pool_new(&stream->pools[stream->n_pools], most, is_result ? 0 : slab_bytes / 4, job);
+    stream->n_pools += st == VV_OK;
+    return st;
+}
+
 vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_job *job)
 {
     const size_t n = n_inputs + n_steps;
@@ -29,8 +39,8 @@ vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_j
     out->pools = vvi_calloc(n, sizeof(vvi_lazy_pool *));
     if (!out->pools)
         return vv_fail_memory(n * sizeof(vvi_lazy_pool *));
-    for (; out->n_pools < n && st == VV_OK; out->n_pools += st == VV_OK)
-        st = vvi_lazy_pool_new(&out->pools[out->n_pools], slab_bytes, job);
+    while (out->n_pools < n && st == VV_OK)
+        st = add_pool(out, slab_bytes, n_steps > 0 && out->n_pools + 1 == n, job);
     if (st != VV_OK)
         vvi_stream_free(out);
     return st;

@@ -180,6 +180,7 @@ static void add_label_names(vvi_text *json, const vv_label *const *labels, size_
     vvi_text_add(json, "]");
 }
 
+/* That they are labels is not said: what is made of them, and shown here instead, may be none. */
 static void add_labels(making *m, const char *id, const vv_field_info *info, const file_names *names)
 {
     vvi_text json = {0};
@@ -192,16 +193,15 @@ static void add_labels(making *m, const char *id, const vv_field_info *info, con
     for (size_t i = 0; i < names->n_labels; i++)
         sorted[i] = &names->labels[i];
     qsort(sorted, names->n_labels, sizeof(void *), is_unsigned ? by_unsigned_value : by_value);
-    vvi_text_printf(&json, "{\"data\": \"%s\", \"interpolation\": \"nearest\", \"segmentation\": {\"kind\": \"labels\"",
-                    id);
+    vvi_text_printf(&json, "{\"data\": \"%s\"", id);
     if (names->n_labels > 0) {
-        add_number(&json, ", \"transfer\": {\"opacity_length\": ", vv_grid_voxel(&info->grid));
+        add_number(&json, ", \"segmentation\": {\"transfer\": {\"opacity_length\": ", vv_grid_voxel(&info->grid));
         vvi_text_add(&json, "}, \"labels\": {");
         add_label_rows(&json, sorted, names->n_labels, is_unsigned);
         add_label_names(&json, sorted, names->n_labels, is_unsigned);
-        vvi_text_add(&json, "}");
+        vvi_text_add(&json, "}}");
     }
-    vvi_text_add(&json, "}}");
+    vvi_text_add(&json, "}");
     free(sorted);
     add_volume(m, id, &json);
 }

@@ -44,15 +44,17 @@ static bool shows_mesh(const vv_world *world, const vv_volume *volume, vv_job *j
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
 {
     const vv_render_choice *choice = (const vv_render_choice *)view->render;
-    const vv_collection *volumes = world->volumes;
+    const vv_renderer *rays = vv_registry_renderer(vvi_job_registry(job), "raycast");
+    bool meshes = false, samples = false;
     if (choice->method)
         return choice->method;
-    for (size_t i = 0; i < volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
-        if (volume->visible && shows_mesh(world, volume, job))
-            return "surface";
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)world->volumes->entry[i].object;
+        const bool mesh = volume->visible && shows_mesh(world, volume, job);
+        meshes |= mesh;
+        samples |= volume->visible && !mesh;
     }
-    return "raycast";
+    return meshes && !(samples && rays && rays->mesh_actors) ? "surface" : "raycast";
 }
 
 static vv_status find_renderer(vvi_resolved *r, vv_job *job)

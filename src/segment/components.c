@@ -1,35 +1,25 @@
 /* Components: each connected part of labels, of a mask or of a range of values gets a label of its own. */
+#include "segment/components.h"
 #include "core/findings.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "registry.h"
 #include "segment/connectivity.h"
 #include "segment/label_result.h"
-#include "segment/part_sizes.h"
-#include "segment/runs.h"
 #include "segment/voxels.h"
 
 #include <stdio.h>
 #include <string.h>
 
-typedef struct components_params {
-    vv_object object;
-    char *range;
-    bool merge;
-    int connectivity;
-    char *min_size;
-    int64_t keep;
-} components_params;
-
 static const vv_property properties[] = {
-    {VV_PROP(components_params, range), .kind = VV_KIND_STRING, .automatic = "all that is not 0",
+    {VV_PROP(vvi_components_params, range), .kind = VV_KIND_STRING, .automatic = "all that is not 0",
      .doc = "values whose parts are found, both ends included: 100..200, 100.. or ..200"},
-    {VV_PROP(components_params, merge), .kind = VV_KIND_BOOL,
+    {VV_PROP(vvi_components_params, merge), .kind = VV_KIND_BOOL,
      .doc = "parts of different labels that touch are one part; so it always is with --range"},
-    VVI_CONNECTIVITY_PROPERTY(components_params, connectivity, "parts"),
-    {VV_PROP(components_params, min_size), .kind = VV_KIND_STRING, .automatic = "one voxel",
+    VVI_CONNECTIVITY_PROPERTY(vvi_components_params, connectivity, "parts"),
+    {VV_PROP(vvi_components_params, min_size), .kind = VV_KIND_STRING, .automatic = "one voxel",
      .doc = "smaller parts are left out: 100 (voxels), or a volume, 2.5mm3"},
-    {VV_PROP(components_params, keep), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 4294967295.0,
+    {VV_PROP(vvi_components_params, keep), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 4294967295.0,
      .automatic = "all", .doc = "only so many parts, the largest"},
     {0},
 };
@@ -41,7 +31,7 @@ static bool given(const char *text)
 
 static vv_status check(const vv_object *object, const char *path)
 {
-    const components_params *p = (const components_params *)object;
+    const vvi_components_params *p = (const vvi_components_params *)object;
     vvi_value_range range;
     (void)path;
     return given(p->range) ? vvi_value_range_parse(&range, p->range, "components: range") : VV_OK;
@@ -50,14 +40,14 @@ static vv_status check(const vv_object *object, const char *path)
 static const vv_class components_class = {
     .name = "components",
     .doc = "parameters of components",
-    .size = sizeof(components_params),
+    .size = sizeof(vvi_components_params),
     .properties = properties,
     .check = check,
 };
 
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
-    const components_params *p = (const components_params *)params;
+    const vvi_components_params *p = (const vvi_components_params *)params;
     double size;
     (void)n_inputs;
     vv_status st = vvi_label_need_one_component(&inputs[0], "components");
@@ -72,8 +62,8 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return st;
 }
 
-static vv_status find_runs(vvi_runs *out, const vv_brick *brick, const vv_field_info *info, const components_params *p,
-                           vv_job *job)
+vv_status vvi_components_runs(vvi_runs *out, const vv_brick *brick, const vv_field_info *info,
+                              const vvi_components_params *p, vv_job *job)
 {
     vvi_value_range range = {0, 0};
     const vvi_touch touch = {.axes = p->connectivity + 1};
@@ -88,8 +78,7 @@ static vv_status find_runs(vvi_runs *out, const vv_brick *brick, const vv_field_
     return vvi_runs_find(out, &source, &touch, "components", job);
 }
 
-/* "5 of 605 parts, the largest of 120, 7 and 7 voxels". */
-static void tell(const vvi_part_sizes *s, vv_job *job)
+void vvi_components_tell(const vvi_part_sizes *s, vv_job *job)
 {
     const uint32_t told = s->n_kept < VVI_PARTS_TOLD ? s->n_kept : VVI_PARTS_TOLD;
     double largest[VVI_PARTS_TOLD];
@@ -117,20 +106,27 @@ static void tell(const vvi_part_sizes *s, vv_job *job)
         vvi_find_phrase(job, "%s%u parts, the largest of %s voxels", kept, s->n_parts, sizes);
 }
 
-static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info *info, const components_params *p,
+vv_status vvi_components_kept(double *least, uint32_t *most, const vv_field_info *info, const vvi_components_params *p)
+{
+    *most = p->keep > 0 ? (uint32_t)p->keep : UINT32_MAX;
+    return vvi_voxels_parse(least, p->min_size, &info->grid, "components: min_size");
+}
+
+static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info *info, const vvi_components_params *p,
                        vv_job *job)
 {
     const vv_field_info result = vvi_label_result(info, VV_TYPE_U32);
     vvi_part_sizes sizes = {0};
     double least;
+    uint32_t most;
     void *data;
-    vv_status st = vvi_voxels_parse(&least, p->min_size, &info->grid, "components: min_size");
+    vv_status st = vvi_components_kept(&least, &most, info, p);
     if (st == VV_OK)
-        st = vvi_part_sizes_find(&sizes, runs, least, p->keep > 0 ? (uint32_t)p->keep : UINT32_MAX, job);
+        st = vvi_part_sizes_find(&sizes, runs, least, most, job);
     if (st == VV_OK && (st = vv_field_new_empty(out, &data, &result, job)) == VV_OK)
         st = vvi_runs_paint(data, VV_TYPE_U32, runs, sizes.rank, job);
     if (st == VV_OK)
-        tell(&sizes, job);
+        vvi_components_tell(&sizes, job);
     vvi_part_sizes_finish(&sizes);
     return st;
 }
@@ -138,7 +134,7 @@ static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info
 static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                      vv_job *job)
 {
-    const components_params *p = (const components_params *)params;
+    const vvi_components_params *p = (const vvi_components_params *)params;
     const vv_field_info *info = vv_field_get_info(inputs[0]);
     const vv_box all = vv_field_box(inputs[0]);
     vv_field_info planned;
@@ -148,7 +144,7 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     vv_status st = plan(&planned, info, n_inputs, params);
     if (st != VV_OK || (st = vv_field_brick(&brick, inputs[0], &all, job)) != VV_OK)
         return st;
-    st = find_runs(&runs, &brick, info, p, job);
+    st = vvi_components_runs(&runs, &brick, info, p, job);
     vv_brick_release(&brick);
     if (st == VV_OK)
         st = paint(out, &runs, info, p, job);
@@ -162,7 +158,8 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
 
 static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
-    const bool values = ((const components_params *)params)->range || ((const components_params *)params)->merge;
+    const bool values =
+        ((const vvi_components_params *)params)->range || ((const vvi_components_params *)params)->merge;
     return vvi_runs_memory(&inputs[0], !values);
 }
 
@@ -178,4 +175,5 @@ const vv_operation vvi_operation_components = {
     .run = run,
     .plan = plan,
     .memory = memory,
+    .passes = &vvi_components_passes,
 };

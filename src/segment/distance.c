@@ -1,63 +1,46 @@
 /* Distance: how far each voxel is from the nearest one of a set, in the world. */
-#include "core/findings.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "filter/sample_keys.h"
-#include "grid/label_id.h"
 #include "registry.h"
 #include "segment/distance_lines.h"
+#include "segment/distance_object.h"
 #include "segment/label_result.h"
-#include "segment/value_range.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 #define OBLIQUE 1e-4 /* cosine of axes that are at right angles but for what headers round */
 
-typedef struct distance_params {
-    vv_object object;
-    vv_numbers *of;
-    char *range;
-    int side;
-} distance_params;
-
-enum { OUTSIDE, INSIDE, BOTH };
 static const char *const side_names[] = {"outside", "inside", "both", NULL};
 static const char *const side_aliases[] = {"signed", "both", NULL};
 
 static const vv_property properties[] = {
-    {VV_PROP(distance_params, of), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .quantity = VV_Q_LABEL,
+    {VV_PROP(vvi_distance_params, of), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .quantity = VV_Q_LABEL,
      .automatic = "all that is not 0", .doc = "labels of the object, one or several: 3 or 3,5"},
-    {VV_PROP(distance_params, range), .kind = VV_KIND_STRING, .automatic = "all that is not 0",
+    {VV_PROP(vvi_distance_params, range), .kind = VV_KIND_STRING, .automatic = "all that is not 0",
      .doc = "instead: values of the object, both ends included: 100..200, 100.. or ..200"},
-    {VV_PROP(distance_params, side), .kind = VV_KIND_ENUM, .names = side_names, .aliases = side_aliases,
+    {VV_PROP(vvi_distance_params, side), .kind = VV_KIND_ENUM, .names = side_names, .aliases = side_aliases,
      .option = "side",
      .doc = "outside: from voxels around the object to it, 0 in it; inside: from its voxels to those around it, 0 "
             "there; both: outside positive, inside negative"},
     {0},
 };
 
-static bool given(const distance_params *p)
-{
-    return p->range && *p->range;
-}
-
 static vv_status check(const vv_object *object, const char *path)
 {
-    const distance_params *p = (const distance_params *)object;
+    const vvi_distance_params *p = (const vvi_distance_params *)object;
     vvi_value_range range;
     (void)path;
-    if (given(p) && p->of && p->of->n)
+    if (vvi_distance_given(p) && p->of && p->of->n)
         return vv_fail(VV_E_ARGUMENT, "distance: `of` and `range` both say what the object is; give one of them");
-    return given(p) ? vvi_value_range_parse(&range, p->range, "distance: range") : VV_OK;
+    return vvi_distance_given(p) ? vvi_value_range_parse(&range, p->range, "distance: range") : VV_OK;
 }
 
 static const vv_class distance_class = {
     .name = "distance",
     .doc = "parameters of distance",
-    .size = sizeof(distance_params),
+    .size = sizeof(vvi_distance_params),
     .properties = properties,
     .check = check,
 };
@@ -76,7 +59,7 @@ static vv_status check_axes(const vv_grid *grid)
     return VV_OK;
 }
 
-static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+vv_status vvi_distance_plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     (void)n_inputs;
     *out = inputs[0];
@@ -90,89 +73,6 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     if (st == VV_OK && (st = check(params, NULL)) == VV_OK)
         st = check_axes(&inputs[0].grid);
     return st;
-}
-
-/* The object ------------------------------------------------------------------------------------------------------ */
-
-typedef struct object {
-    vv_brick brick;
-    vvi_key_range *range;
-    size_t n_ranges;
-    bool other;      /* what is in none of the ranges */
-    bool complement; /* what is not of the object is asked for */
-    vvi_key_range all;
-    _Atomic uint64_t n_inside;
-} object;
-
-/* The one key of a label, exactly where it is stored as it is. */
-static vvi_key_range keys_of_label(vv_label_id id, double value, const vv_field_info *info)
-{
-    const vvi_value_range one = {value, value};
-    char sample[8], key[8];
-    memcpy(sample, &id, sizeof sample);
-    if (vv_type_bytes(info->type) < 8 || vv_type_is_float(info->type))
-        return vvi_key_range_of(&one, info);
-    vvi_keys_of_samples(key, sample, 8, info->type, 1);
-    return (vvi_key_range){vvi_key_at(key, 0, info->type), vvi_key_at(key, 0, info->type)};
-}
-
-static vv_status choose(object *o, const distance_params *p, const vv_field_info *info, vv_job *job)
-{
-    static const vvi_value_range nothing = {0, 0}, anything = {-INFINITY, INFINITY};
-    const size_t n = p->of ? p->of->n : 0;
-    vvi_value_range range;
-    vv_status st = VV_OK;
-    o->all = vvi_key_range_of(&anything, info);
-    o->n_ranges = n ? n : 1;
-    o->range = vvi_alloc(job, o->n_ranges * sizeof *o->range, VVI_MEM_SCRATCH);
-    if (!o->range)
-        return vv_fail_memory(o->n_ranges * sizeof *o->range);
-    for (size_t i = 0; i < n; i++)
-        o->range[i] = keys_of_label(p->of->labels ? p->of->labels[i] : (vv_label_id)p->of->v[i], p->of->v[i], info);
-    if (given(p) && (st = vvi_value_range_parse(&range, p->range, "distance: range")) == VV_OK) {
-        range = vvi_value_range_as_typed(&range, info);
-        o->range[0] = vvi_key_range_of(&range, info);
-    } else if (!n) {
-        o->range[0] = vvi_key_range_of(&nothing, info);
-        o->other = true;
-    }
-    return st;
-}
-
-#define PART 512
-
-/* NaN is of no object. */
-static void part_of_row(uint8_t *out, const object *o, const char *samples, int64_t n)
-{
-    uint8_t more[PART];
-    const int64_t step = o->brick.stride[0];
-    vvi_key_range_row(out, samples, step, o->brick.type, &o->range[0], n);
-    for (size_t r = 1; r < o->n_ranges; r++) {
-        vvi_key_range_row(more, samples, step, o->brick.type, &o->range[r], n);
-        for (int64_t i = 0; i < n; i++)
-            out[i] |= more[i];
-    }
-    if (o->other) {
-        vvi_key_range_row(more, samples, step, o->brick.type, &o->all, n);
-        for (int64_t i = 0; i < n; i++)
-            out[i] = more[i] & (out[i] ^ 1);
-    }
-    for (int64_t i = 0; i < n && o->complement; i++)
-        out[i] ^= 1;
-}
-
-static void set_row(uint8_t *out, size_t row, void *user)
-{
-    object *o = user;
-    const int64_t *n = o->brick.box.n;
-    const char *samples = (const char *)o->brick.data + (int64_t)row % n[1] * o->brick.stride[1] +
-                          (int64_t)row / n[1] * o->brick.stride[2];
-    uint64_t inside = 0;
-    for (int64_t at = 0; at < n[0]; at += PART)
-        part_of_row(out + at, o, samples + at * o->brick.stride[0], n[0] - at < PART ? n[0] - at : PART);
-    for (int64_t i = 0; i < n[0]; i++)
-        inside += out[i];
-    atomic_fetch_add_explicit(&o->n_inside, inside, memory_order_relaxed);
 }
 
 /* Distances ------------------------------------------------------------------------------------------------------- */
@@ -195,18 +95,18 @@ static vv_status join_item(void *scratch, void *user, size_t index)
     return VV_OK;
 }
 
-static vv_status measure(float *out, object *o, int side, const double spacing[3], vv_job *job)
+static vv_status measure(float *out, vvi_distance_object *o, int side, const double spacing[3], vv_job *job)
 {
     static const vvi_work work = {.item = join_item};
     const int64_t *n = o->brick.box.n;
     joining j = {.out = out, .n = (size_t)(n[0] * n[1] * n[2])};
     float *inside = out;
     vv_status st = VV_OK;
-    if (side != INSIDE)
-        st = vvi_distances(out, n, spacing, set_row, o, job);
-    if (st != VV_OK || side == OUTSIDE)
+    if (side != VVI_DISTANCE_INSIDE)
+        st = vvi_distances(out, n, spacing, vvi_distance_set_row, o, job);
+    if (st != VV_OK || side == VVI_DISTANCE_OUTSIDE)
         return st;
-    if (side == BOTH) {
+    if (side == VVI_DISTANCE_BOTH) {
         if ((st = vvi_memory_plan(job, j.n * sizeof *inside, "distance")) != VV_OK)
             return st;
         inside = vvi_alloc(job, j.n * sizeof *inside, VVI_MEM_SCRATCH);
@@ -215,9 +115,9 @@ static vv_status measure(float *out, object *o, int side, const double spacing[3
     }
     o->complement = true;
     const uint64_t before = atomic_load(&o->n_inside);
-    st = vvi_distances(inside, n, spacing, set_row, o, job);
-    atomic_store(&o->n_inside, side == BOTH ? before : j.n - atomic_load(&o->n_inside));
-    if (side == OUTSIDE || inside == out)
+    st = vvi_distances(inside, n, spacing, vvi_distance_set_row, o, job);
+    atomic_store(&o->n_inside, side == VVI_DISTANCE_BOTH ? before : j.n - atomic_load(&o->n_inside));
+    if (side == VVI_DISTANCE_OUTSIDE || inside == out)
         return st;
     j.inside = inside;
     if (st == VV_OK)
@@ -226,37 +126,26 @@ static vv_status measure(float *out, object *o, int side, const double spacing[3
     return st;
 }
 
-static void tell(const object *o, int side, vv_job *job)
-{
-    const int64_t *n = o->brick.box.n;
-    const uint64_t inside = atomic_load(&o->n_inside), all = (uint64_t)(n[0] * n[1] * n[2]);
-    vvi_find_count(job, "object_voxels", inside);
-    vvi_find_phrase(job, "from an object of %llu voxels", (unsigned long long)inside);
-    if (inside == 0 && side != INSIDE)
-        vvi_find_note(job, "no voxel is of the object, so that all distances from it are infinite");
-    if (inside == all && side != OUTSIDE)
-        vvi_find_note(job, "all voxels are of the object, so that all distances to its outside are infinite");
-}
-
 static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                      vv_job *job)
 {
-    const distance_params *p = (const distance_params *)params;
+    const vvi_distance_params *p = (const vvi_distance_params *)params;
     const vv_field_info *info = vv_field_get_info(inputs[0]);
     const vv_box all = vv_field_box(inputs[0]);
     const double spacing[3] = {vv_grid_spacing(&info->grid, 0), vv_grid_spacing(&info->grid, 1),
                                vv_grid_spacing(&info->grid, 2)};
     vv_field_info result;
-    object o = {.n_ranges = 0};
+    vvi_distance_object o = {.n_ranges = 0};
     void *data;
     *out = NULL;
-    vv_status st = plan(&result, info, n_inputs, params);
+    vv_status st = vvi_distance_plan(&result, info, n_inputs, params);
     if (st != VV_OK || (st = vv_field_brick(&o.brick, inputs[0], &all, job)) != VV_OK)
         return st;
-    if ((st = choose(&o, p, info, job)) == VV_OK && (st = vv_field_new_empty(out, &data, &result, job)) == VV_OK)
+    if ((st = vvi_distance_choose(&o, p, info, job)) == VV_OK &&
+        (st = vv_field_new_empty(out, &data, &result, job)) == VV_OK)
         st = measure(data, &o, p->side, spacing, job);
     if (st == VV_OK)
-        tell(&o, p->side, job);
+        vvi_distance_tell(&o, p->side, (uint64_t)(all.n[0] * all.n[1] * all.n[2]), job);
     vv_brick_release(&o.brick);
     vvi_free(o.range);
     if (st != VV_OK) {
@@ -269,7 +158,9 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
 static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     const int64_t *n = inputs[0].grid.dims;
-    return ((const distance_params *)params)->side == BOTH ? (uint64_t)(n[0] * n[1] * n[2]) * sizeof(float) : 0;
+    return ((const vvi_distance_params *)params)->side == VVI_DISTANCE_BOTH
+               ? (uint64_t)(n[0] * n[1] * n[2]) * sizeof(float)
+               : 0;
 }
 
 const vv_operation vvi_operation_distance = {
@@ -284,6 +175,7 @@ const vv_operation vvi_operation_distance = {
     .params = &distance_class,
     .inputs = VV_ONE_VOLUME,
     .run = run,
-    .plan = plan,
+    .plan = vvi_distance_plan,
     .memory = memory,
+    .passes = &vvi_distance_passes,
 };

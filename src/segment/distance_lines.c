@@ -162,20 +162,25 @@ static vv_status lines_item(void *scratch_in, void *user, size_t index)
     return vvi_job_poll(s->job);
 }
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): the items write there */
-vv_status vvi_distances(float *out, const int64_t n[3], const double spacing[3], vvi_set_row *set, void *user,
-                        vv_job *job)
+int vvi_distances_last(const int64_t n[3])
 {
-    shared s = {.out = out, .set = set, .user = user, .job = job};
+    return n[2] > 1 ? 2 : n[1] > 1 ? 1 : 0;
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): the items write there */
+vv_status vvi_distances_along(float *out, const int64_t n[3], const double spacing[3], const int axes[2], int last,
+                              vvi_set_row *set, void *user, vv_job *job)
+{
+    shared s = {.out = out, .set = set, .user = user, .axis = axes[0], .job = job};
     const size_t chunks = (size_t)((n[0] - 1) / CHUNK + 1);
     const size_t items[3] = {(size_t)((n[1] * n[2] - 1) / ROWS + 1), chunks * (size_t)n[2], chunks * (size_t)n[1]};
-    const int last = n[2] > 1 ? 2 : n[1] > 1 ? 1 : 0;
-    const size_t all = items[0] + (n[1] > 1 ? items[1] : 0) + (n[2] > 1 ? items[2] : 0);
-    size_t done = 0;
+    size_t all = 0, done = 0;
     vv_status st = VV_OK;
     memcpy(s.n, n, sizeof s.n);
     memcpy(s.spacing, spacing, sizeof s.spacing);
-    for (; s.axis < 3 && st == VV_OK; s.axis++) {
+    for (int a = axes[0]; a < axes[1]; a++)
+        all += a == 0 || n[a] > 1 ? items[a] : 0;
+    for (; s.axis < axes[1] && st == VV_OK; s.axis++) {
         if (s.axis > 0 && n[s.axis] == 1)
             continue;
         const vvi_work work = {.stage = "distance",
@@ -189,4 +194,10 @@ vv_status vvi_distances(float *out, const int64_t n[3], const double spacing[3],
         done += items[s.axis];
     }
     return st;
+}
+
+vv_status vvi_distances(float *out, const int64_t n[3], const double spacing[3], vvi_set_row *set, void *user,
+                        vv_job *job)
+{
+    return vvi_distances_along(out, n, spacing, (const int[2]){0, 3}, vvi_distances_last(n), set, user, job);
 }

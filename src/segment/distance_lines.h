@@ -14,4 +14,10 @@ typedef void vvi_set_row(uint8_t *out, size_t row, void *user);
  * axes at right angles. */
 vv_status vvi_distances(float *out, const int64_t n[3], const double spacing[3], vvi_set_row *set, void *user,
                         vv_job *job);
+/** The axes from `first` up to, not with, `end` alone, of n samples of a volume: the squares of distances that the axes
+ * before have left become those that these leave, and distances after axis `last`, the last of the volume that has
+ * several samples. set is for axis 0. */
+vv_status vvi_distances_along(float *out, const int64_t n[3], const double spacing[3], const int axes[2], int last,
+                              vvi_set_row *set, void *user, vv_job *job);
+int vvi_distances_last(const int64_t n[3]);
 #endif

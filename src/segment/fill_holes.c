@@ -58,7 +58,9 @@ typedef struct filling {
     vvi_runs runs; /* of the background */
     vvi_key_range zero;
     uint8_t *open;               /* by part: it reaches the border, or is too large */
-    vvi_label_set labels, pairs; /* by key; hole << 32 | number of the label */
+    int64_t *key_of;             /* by part: the label that was met first, in the end the one that it becomes */
+    uint64_t *faces_of;          /* by part: at how many faces it touches that one */
+    vvi_label_set labels, pairs; /* of the others: by key; hole << 32 | number of the label */
     uint64_t *faces;             /* by number of the pair: at how many faces they touch */
     size_t room;
     vv_job *job;
@@ -98,10 +100,13 @@ static vv_status find_open(filling *f, double most)
     const vvi_runs *r = &f->runs;
     uint64_t *size = NULL;
     const vv_status st = vvi_runs_sizes(&size, r, f->job);
-    f->open = vvi_alloc_zeroed(f->job, (size_t)r->n_parts + 1, VVI_MEM_SCRATCH);
-    if (st != VV_OK || !f->open) {
+    const size_t n = (size_t)r->n_parts + 1;
+    f->open = vvi_alloc_zeroed(f->job, n, VVI_MEM_SCRATCH);
+    f->key_of = vvi_alloc(f->job, n * sizeof *f->key_of, VVI_MEM_SCRATCH);
+    f->faces_of = vvi_alloc_zeroed(f->job, n * sizeof *f->faces_of, VVI_MEM_SCRATCH);
+    if (st != VV_OK || !f->open || !f->key_of || !f->faces_of) {
         vvi_free(size);
-        return st != VV_OK ? st : vv_fail_memory((size_t)r->n_parts + 1);
+        return st != VV_OK ? st : vv_fail_memory(n * sizeof *f->key_of);
     }
     for (uint32_t part = 0; part < r->n_parts; part++)
         f->open[part] = most > 0 && (double)size[part] > most;
@@ -123,6 +128,11 @@ static vv_status add_face(filling *f, uint32_t hole, const char *sample)
     const int64_t key = vvi_key_at(room, 0, f->brick.type);
     if (key >= f->zero.lo && key <= f->zero.hi)
         return VV_OK;
+    if (f->faces_of[hole] == 0 || f->key_of[hole] == key) { /* most holes touch one label */
+        f->key_of[hole] = key;
+        f->faces_of[hole]++;
+        return VV_OK;
+    }
     vv_status st = vvi_label_set_add(&label, &f->labels, key, f->job);
     if (st == VV_OK)
         st = vvi_label_set_add(&pair, &f->pairs, (int64_t)((uint64_t)hole << 32 | label), f->job);
@@ -190,10 +200,9 @@ static vv_status look_around_all(filling *f)
 /* Filling --------------------------------------------------------------------------------------------------------- */
 
 /* The label that a hole touches at most faces; of several the least. Holes that touch none stay. */
-static void choose(int64_t *key_of, uint64_t *faces_of, const filling *f)
+static void choose(filling *f, int64_t *key_of_label)
 {
     const vvi_label_set *pairs = &f->pairs, *labels = &f->labels;
-    int64_t *key_of_label = key_of + f->runs.n_parts;
     for (size_t at = 0; at < labels->room; at++)
         if (labels->number[at])
             key_of_label[labels->number[at] - 1] = labels->key[at];
@@ -203,16 +212,15 @@ static void choose(int64_t *key_of, uint64_t *faces_of, const filling *f)
         const uint64_t pair = (uint64_t)pairs->key[at], faces = f->faces[pairs->number[at] - 1];
         const uint32_t hole = (uint32_t)(pair >> 32);
         const int64_t key = key_of_label[(uint32_t)pair];
-        if (faces > faces_of[hole] || (faces == faces_of[hole] && key < key_of[hole])) {
-            faces_of[hole] = faces;
-            key_of[hole] = key;
+        if (faces > f->faces_of[hole] || (faces == f->faces_of[hole] && key < f->key_of[hole])) {
+            f->faces_of[hole] = faces;
+            f->key_of[hole] = key;
         }
     }
 }
 
 /* `out` has the strides of the turned brick. */
-static void write_holes(char *out, const int64_t stride[3], const filling *f, const int64_t *key_of,
-                        const uint64_t *faces_of)
+static void write_holes(char *out, const int64_t stride[3], const filling *f)
 {
     const vvi_runs *r = &f->runs;
     const size_t each = vv_type_bytes(f->brick.type);
@@ -220,22 +228,22 @@ static void write_holes(char *out, const int64_t stride[3], const filling *f, co
     for (size_t row = 0; row < r->n_rows; row++)
         for (uint32_t i = r->first[row]; i < r->first[row + 1]; i++) {
             const uint32_t part = r->part[i];
-            if (f->open[part] || !faces_of[part])
+            if (f->open[part] || !f->faces_of[part])
                 continue;
             char *at = out + (int64_t)row % r->n[1] * stride[1] + (int64_t)row / r->n[1] * stride[2];
-            vvi_sample_of_key(sample, key_of[part], f->brick.type);
+            vvi_sample_of_key(sample, f->key_of[part], f->brick.type);
             for (int32_t x = r->lo[i]; x < r->end[i]; x++)
                 memcpy(at + x * stride[0], sample, each);
         }
 }
 
-static void tell(const filling *f, const uint64_t *faces_of)
+static void tell(const filling *f)
 {
     uint64_t holes = 0, voxels = 0;
     for (uint32_t part = 0; part < f->runs.n_parts; part++)
-        holes += faces_of[part] > 0;
+        holes += f->faces_of[part] > 0;
     for (size_t i = 0; i < f->runs.n_runs; i++)
-        if (faces_of[f->runs.part[i]])
+        if (f->faces_of[f->runs.part[i]])
             voxels += (uint64_t)(f->runs.end[i] - f->runs.lo[i]);
     vvi_find_count(f->job, "holes", holes);
     vvi_find_count(f->job, "filled_voxels", voxels);
@@ -245,18 +253,15 @@ static void tell(const filling *f, const uint64_t *faces_of)
 
 static vv_status fill(char *out, const int64_t stride[3], filling *f)
 {
-    const size_t n = (size_t)f->runs.n_parts, keys = n + f->labels.n + 1;
-    int64_t *key_of = vvi_alloc(f->job, keys * sizeof *key_of, VVI_MEM_SCRATCH);
-    uint64_t *faces_of = vvi_alloc_zeroed(f->job, (n + 1) * sizeof *faces_of, VVI_MEM_SCRATCH);
-    const bool has_room = key_of && faces_of;
-    if (has_room) {
-        choose(key_of, faces_of, f);
-        write_holes(out, stride, f, key_of, faces_of);
-        tell(f, faces_of);
-    }
-    vvi_free(key_of);
-    vvi_free(faces_of);
-    return has_room ? VV_OK : vv_fail_memory(keys * sizeof *key_of);
+    const size_t bytes = ((size_t)f->labels.n + 1) * sizeof(int64_t);
+    int64_t *key_of_label = vvi_alloc(f->job, bytes, VVI_MEM_SCRATCH);
+    if (!key_of_label)
+        return vv_fail_memory(bytes);
+    choose(f, key_of_label);
+    vvi_free(key_of_label);
+    write_holes(out, stride, f);
+    tell(f);
+    return VV_OK;
 }
 
 static void copy_rows(char *out, const vv_brick *b)
@@ -318,6 +323,8 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
     vvi_label_set_finish(&f.labels);
     vvi_label_set_finish(&f.pairs);
     vvi_free(f.open);
+    vvi_free(f.key_of);
+    vvi_free(f.faces_of);
     vvi_free(f.faces);
     if (st != VV_OK) {
         vv_field_release(*out);

@@ -142,7 +142,8 @@ static double value_at(const growing *g, int64_t i, int64_t j, int64_t k)
     return v * g->info->value_scale + g->info->value_offset;
 }
 
-/* Mean and deviation, value by value (Welford 1962). */
+/* Mean and deviation, value by value (Welford 1962). What is near the seeds is a sample of the part: divided by n - 1.
+ */
 typedef struct sums {
     double n, mean, squares;
 } sums;
@@ -174,7 +175,7 @@ static void add_around(sums *s, const growing *g, const int64_t seed[3])
 /* Seeds are always inside. */
 static void set_range(growing *g, const sums *s)
 {
-    const double reach = g->p->deviations * sqrt(s->n > 0 ? s->squares / s->n : 0);
+    const double reach = g->p->deviations * sqrt(s->n > 1 ? s->squares / (s->n - 1) : 0);
     g->range.lo = fmin(s->mean - reach, g->least);
     g->range.hi = fmax(s->mean + reach, g->most);
 }
@@ -300,7 +301,7 @@ const vv_operation vvi_operation_grow = {
     .name = "grow",
     .component = "segment",
     .group = "segmentation",
-    .doc = "the connected part around some points whose values are in a range, as label 1",
+    .doc = "region growing: the connected part around seeds whose values are in a range, as label 1",
     .example = "volvis grow head.nrrd -o part.nrrd --seed 32,32,32 --range 150..",
     .params = &grow_class,
     .inputs = VV_ONE_VOLUME,

@@ -9,7 +9,7 @@
 
 /** What runs are made of: samples of a component with these keys, or, `other`, all that have a value and not these. */
 typedef struct vvi_run_source {
-    const vv_brick *brick; /**< of all samples */
+    const vv_brick *brick; /**< of all samples, or of whole slices */
     vvi_key_range range;
     bool other; /**< those outside the range */
     bool each;  /**< a run has one value, and runs of different ones never touch */

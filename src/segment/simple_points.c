@@ -1,55 +1,58 @@
 #include "segment/simple_points.h"
 
-#include <stdlib.h>
-
 #define ALL ((1u << VVI_AROUND) - 1)
-#define OWN (1u << VVI_AROUND_OWN)
+#define CORNERS (1u << 0 | 1u << 2 | 1u << 6 | 1u << 8 | 1u << 18 | 1u << 20 | 1u << 24 | 1u << 26)
+/* Those that are not the first, and not the last, along x and y: a step comes to them from the one before, or behind.
+ */
+#define X_UP 0x6db6db6u
+#define X_DOWN 0x36db6dbu
+#define Y_UP 0x7e3f1f8u
+#define Y_DOWN 0x0fc7e3fu
 
-/* By how many axes two of them differ; 3 and more: they do not touch. */
-static int distance(int a, int b)
+static uint32_t beside_x(uint32_t v)
 {
-    const int x = abs(a % 3 - b % 3), y = abs(a / 3 % 3 - b / 3 % 3), z = abs(a / 9 - b / 9);
-    return x > 1 || y > 1 || z > 1 ? 4 : x + y + z;
+    return (v << 1 & X_UP) | (v >> 1 & X_DOWN);
 }
 
-vvi_around_tables vvi_around_tables_make(void)
+static uint32_t beside_y(uint32_t v)
 {
-    vvi_around_tables t = {{0}};
-    for (int a = 0; a < VVI_AROUND; a++) {
-        for (int b = 0; b < VVI_AROUND; b++) {
-            const int d = distance(a, b);
-            if (d > 0 && d <= 3)
-                t.corners[a] |= 1u << b;
-            if (d == 1)
-                t.faces[a] |= 1u << b;
-        }
-        const int d = distance(a, VVI_AROUND_OWN);
-        if (d == 1 || d == 2)
-            t.near |= 1u << a;
-        if (d == 1)
-            t.beside |= 1u << a;
-    }
-    return t;
+    return (v << 3 & Y_UP) | (v >> 3 & Y_DOWN);
 }
 
-/* What of a set hangs together with its first one. */
-static uint32_t reach(uint32_t seed, uint32_t set, const uint32_t *touches)
+static uint32_t beside_z(uint32_t v)
 {
-    uint32_t reached = seed, waiting = seed;
-    while (waiting) {
-        const uint32_t more = touches[__builtin_ctz(waiting)] & set & ~reached;
-        waiting = (waiting & (waiting - 1)) | more;
-        reached |= more;
+    return (v << 9 & ALL) | v >> 9;
+}
+
+/* What of a set hangs together with its first one, at corners or at faces: all of it takes a step at a time. */
+static uint32_t reach_corners(uint32_t set)
+{
+    uint32_t reached = set & (0u - set), before = 0;
+    while (reached != before) {
+        before = reached;
+        reached |= beside_x(reached);
+        reached |= beside_y(reached);
+        reached |= beside_z(reached);
+        reached &= set;
     }
     return reached;
 }
 
-bool vvi_is_simple(uint32_t object, const vvi_around_tables *t)
+static uint32_t reach_faces(uint32_t seed, uint32_t set)
 {
-    const uint32_t there = object & ALL & ~OWN, empty = ~object & t->near, open = empty & t->beside;
+    uint32_t reached = seed, before = 0;
+    while (reached != before) {
+        before = reached;
+        reached |= (beside_x(reached) | beside_y(reached) | beside_z(reached)) & set;
+    }
+    return reached;
+}
+
+bool vvi_is_simple(uint32_t object)
+{
+    const uint32_t there = object & ALL & ~(1u << VVI_AROUND_OWN);
+    const uint32_t empty = ~object & ALL & ~(CORNERS | 1u << VVI_AROUND_OWN), open = empty & VVI_AROUND_BESIDE;
     if (!there || !open)
         return false;
-    if (reach(there & (0u - there), there, t->corners) != there)
-        return false;
-    return (reach(open & (0u - open), empty, t->faces) & open) == open;
+    return reach_corners(there) == there && (reach_faces(open & (0u - open), empty) & open) == open;
 }

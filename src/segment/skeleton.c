@@ -74,7 +74,6 @@ typedef struct list {
 } list;
 
 typedef struct thinning {
-    const vvi_around_tables tables;
     char *label; /* of the result */
     size_t each;
     int64_t n[3], offset[VVI_AROUND];
@@ -157,7 +156,7 @@ static bool may_go(const thinning *t, int64_t at)
         return false;
     const uint32_t object = object_around(t, at), others = object & ~(1u << VVI_AROUND_OWN);
     const bool is_end = (others & (others - 1)) == 0; /* of a curve: one neighbour, or none */
-    return !is_end && vvi_is_simple(object, &t->tables);
+    return !is_end && vvi_is_simple(object);
 }
 
 static vv_status look_item(void *scratch, void *user, size_t index)
@@ -233,7 +232,7 @@ static vv_status find_border(thinning *t)
         if (label_at(t, at) == 0)
             continue;
         t->n_object++;
-        if (t->tables.beside & ~object_around(t, at))
+        if (VVI_AROUND_BESIDE & ~object_around(t, at))
             st = append(t, &t->border, at);
     }
     return st;
@@ -269,7 +268,7 @@ static vv_status thin_side(bool *changed, thinning *t)
     for (size_t i = 0; i < n && st == VV_OK; i++) {
         if (i % VOXELS_BETWEEN_LOOKS == 0)
             st = vvi_job_progress(t->job, "thin", t->n_gone, t->n_object);
-        if (st != VV_OK || !t->goes[i] || !vvi_is_simple(object_around(t, t->border.v[i]), &t->tables))
+        if (st != VV_OK || !t->goes[i] || !vvi_is_simple(object_around(t, t->border.v[i])))
             continue;
         st = remove_voxel(t, t->border.v[i]);
         *changed = true;
@@ -297,7 +296,7 @@ static vv_status thin(thinning *t)
 
 static vv_status thin_labels(void *data, const vv_field_info *info, vv_job *job)
 {
-    thinning t = {.tables = vvi_around_tables_make(), .label = data, .each = vv_type_bytes(info->type), .job = job};
+    thinning t = {.label = data, .each = vv_type_bytes(info->type), .job = job};
     memcpy(t.n, info->grid.dims, sizeof t.n);
     for (int b = 0; b < VVI_AROUND; b++)
         t.offset[b] = b % 3 - 1 + t.n[0] * (b / 3 % 3 - 1 + t.n[1] * (b / 9 - 1));
@@ -388,7 +387,9 @@ static vv_status carry(vv_carry *carried, const vv_object *params)
 static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     const int64_t *n = inputs[0].grid.dims;
-    return (uint64_t)(n[0] * n[1] * n[2]) / 8;
+    const uint64_t voxels = (uint64_t)(n[0] * n[1] * n[2]);
+    return voxels / 8 +
+           voxels * 5 / 2; /* a bit of each, and places of those at borders: some sixth of them, in two lists */
 }
 
 const vv_operation vvi_operation_skeleton = {
@@ -397,7 +398,7 @@ const vv_operation vvi_operation_skeleton = {
     .component = "segment",
     .group = "morphology",
     .doc = "thin labels to curves along their middle, one voxel thick, that hang together as the labels do; each label "
-           "separately",
+           "separately (Lee, Kashyap & Chu 1994)",
     .example = "volvis skeleton head.nrrd -o curves.nrrd --range 150..",
     .params = &skeleton_class,
     .inputs = VV_ONE_VOLUME,

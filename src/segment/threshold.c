@@ -31,8 +31,9 @@ static const char *const method_names[] = {"range", "otsu", "multi-otsu", "mean"
 static const vv_property properties[] = {
     {VV_PROP(threshold_params, method), .kind = VV_KIND_ENUM, .names = method_names,
      .doc = "range: the values of --range; otsu: what divides values into two classes that vary least within "
-            "themselves; multi-otsu: the same for more classes; mean: above the mean; li: above the value of least "
-            "cross-entropy; hysteresis: the parts of --range that have a value of --strong in them"},
+            "themselves (Otsu 1979); multi-otsu: the same for more classes; mean: above the mean; li: above the "
+            "value of least cross-entropy (Li & Lee 1993); hysteresis: the parts of --range that have a value of "
+            "--strong in them"},
     {VV_PROP(threshold_params, range), .kind = VV_KIND_STRING, .automatic = "none: it must be given",
      .when = "method=range|hysteresis", .doc = "values inside, both ends included: 100..200, 100.. or ..200"},
     {VV_PROP(threshold_params, classes), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = VVI_CUTS_MOST + 1,

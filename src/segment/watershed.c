@@ -446,8 +446,9 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
 
 static const vv_operand inputs_taken[] = {
     {"volume", VV_IS_FIELD, 1, 1, "the values, which are heights"},
-    {"markers", VV_IS_FIELD, 0, 1, "labels that basins begin with, 0 elsewhere; without them each minimum is one"},
-    {"mask", VV_IS_FIELD, 0, 1, "where it is 0 nothing is flooded"},
+    {"markers", VV_IS_FIELD, 0, 1,
+     "labels from which basins are flooded, 0 elsewhere, on the same grid; without them each minimum is one"},
+    {"mask", VV_IS_FIELD, 0, 1, "a volume on the same grid; where it is 0 nothing is flooded"},
     {0},
 };
 
@@ -464,7 +465,7 @@ const vv_operation vvi_operation_watershed = {
     .component = "segment",
     .group = "segmentation",
     .doc = "basins of the values: each voxel gets the label of the marker, or of the minimum, whose flood reaches it "
-           "first",
+           "first (Meyer 1991)",
     .example = "volvis watershed head.nrrd -o basins.nrrd --bright --depth 100 --range 50..",
     .params = &watershed_class,
     .inputs = inputs_taken,

@@ -121,8 +121,8 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
 {
     vvi_session *s = client->session;
     client->wishes++;
-    client->tells_outdated |= client->told_final;
-    client->told_final = false;
+    client->tells_outdated |= client->told_final || client->told_failed;
+    client->told_final = client->told_failed = false;
     if (client->frames != VVI_FRAMES_ALL && client->moving && client->turning) {
         vvi_painter_rest(s->painter, client->slot); /* what rests is not looked at now, and is wanted again at rest */
         return;
@@ -236,6 +236,21 @@ static void tell_resolved(vvi_client *client, vvi_painted *painted)
     painted->resolved = NULL; /* else it would wait twice */
 }
 
+static void tell_failed(vvi_client *client, const vvi_painted *painted)
+{
+    char *sentence = vvi_files_sentence(client->session, painted->error);
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "failed");
+    vvi_result_string(&r, "text", sentence);
+    vvi_result_string(&r, "where", painted->where);
+    vvi_result_unsigned(&r, "frame", client->numbers);
+    vvi_result_close(&r, '}');
+    free(sentence);
+    vvi_client_tell(client, VVI_LINE_FAILED, vvi_text_take(&r.text));
+    client->told_failed = true;
+}
+
 void vvi_client_serve(vvi_client *client, int64_t now)
 {
     vvi_session *s = client->session;
@@ -253,7 +268,7 @@ void vvi_client_serve(vvi_client *client, int64_t now)
     free(painted.warnings);
     painted.warnings = NULL; /* else they would wait with the frame */
     if (painted.error)
-        vvi_client_notice(client, "error", painted.error);
+        tell_failed(client, &painted);
     if (painted.bytes) {
         take_frame(client, &painted);
         return;

@@ -7,6 +7,9 @@
 
 /** A word as a shell takes it, whatever is in it. */
 void vvi_command_quote(vvi_text *out, const char *word);
+/** What is set of an object, as options of the verb that has its class: " --name=value" each, without those that say
+ * nothing beside the others. Errors: VV_E_MEMORY. */
+vv_status vvi_command_options(vvi_text *out, const vv_object *params);
 /** NULL: there is none of that id. */
 const vv_dataset *vvi_command_dataset(const vv_world *world, const char *id);
 /** The one that lines take for it, and its id: of one whose operation is switched off its first input. VV_E_NOT_FOUND:

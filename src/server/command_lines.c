@@ -10,64 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-void vvi_command_quote(vvi_text *out, const char *s)
-{
-    vvi_text_add(out, "'");
-    for (; *s; s++)
-        vvi_text_add(out, *s == '\'' ? "'\\''" : (char[2]){*s, 0});
-    vvi_text_add(out, "'");
-}
-
 const vv_dataset *vvi_command_dataset(const vv_world *world, const char *id)
 {
     return id ? (const vv_dataset *)(const void *)vv_collection_find(world->datasets, id) : NULL;
 }
 
 /* Words ----------------------------------------------------------------------------------------------------------- */
-
-/* "[1, 2, 3]" is typed as 1,2,3 and "\"text\"" without its marks. */
-static void put_value(vvi_text *out, const char *json)
-{
-    char *typed = vvi_strdup(json);
-    char *to = typed;
-    for (const char *from = json; typed && *from; from++)
-        if (!strchr("[]\" ", *from))
-            *to++ = *from;
-    if (typed)
-        *to = 0;
-    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
-    free(typed);
-}
-
-static void put_option(vvi_text *out, const vv_property *row, const char *json)
-{
-    char name[64];
-    size_t n = 0;
-    for (; row->name[n] && n + 1 < sizeof name; n++)
-        name[n] = (char)(row->name[n] == '_' ? '-' : row->name[n]);
-    name[n] = 0;
-    if (row->kind == VV_KIND_BOOL) {
-        vvi_text_printf(out, " --%s%s", strcmp(json, "true") == 0 ? "" : "no-", name);
-        return;
-    }
-    vvi_text_printf(out, " --%s=", name);
-    put_value(out, json);
-}
-
-static vv_status put_options(vvi_text *out, const vv_object *params)
-{
-    for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
-        char *json = NULL;
-        if (!vv_object_is_set(params, row->name))
-            continue;
-        const vv_status st = vv_path_get(&json, params, row->name);
-        if (st != VV_OK)
-            return st;
-        put_option(out, row, json);
-        free(json);
-    }
-    return VV_OK;
-}
 
 /* How a file was read, where that was said. */
 static void put_reading(vvi_text *out, const vv_dataset *dataset)
@@ -211,7 +159,7 @@ static vv_status put_step(vvi_text *out, const vvi_made *made, vv_job *job)
     if (st == VV_OK && names)
         st = vv_path_unset(&params, names, NULL);
     vvi_text_printf(out, "volvis %s", made->operation->name);
-    if (st == VV_OK && (st = put_inputs(out, made, job)) == VV_OK && (st = put_options(out, params)) == VV_OK) {
+    if (st == VV_OK && (st = put_inputs(out, made, job)) == VV_OK && (st = vvi_command_options(out, params)) == VV_OK) {
         vvi_text_add(out, " -o ");
         put_made(out, made->id, suffix_of(made->world, made->dataset, job));
         vvi_text_add(out, "\n");

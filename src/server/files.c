@@ -211,15 +211,19 @@ static bool has_suffix(const char *name, const char *const *suffixes)
     return false;
 }
 
-/* By suffix: a folder of thousands of files is not opened file by file. */
+bool vvi_files_is_data_folder(const char *name, const vv_registry *registry)
+{
+    for (size_t i = 0; registry->formats[i]; i++)
+        if (registry->formats[i]->probe_folder && has_suffix(name, registry->formats[i]->suffixes))
+            return true;
+    return false;
+}
+
 static const char *kind_of(const char *name, bool folder, const vv_registry *registry)
 {
     static const char *const scene[] = {".vv.json", NULL}, *const packed[] = {".gz", ".zst", ".bz2", NULL};
-    for (size_t i = 0; folder && registry->formats[i]; i++)
-        if (registry->formats[i]->probe_folder && has_suffix(name, registry->formats[i]->suffixes))
-            return "volume";
     if (folder)
-        return NULL;
+        return vvi_files_is_data_folder(name, registry) ? "volume" : NULL;
     if (has_suffix(name, scene))
         return "scene";
     for (size_t i = 0; registry->mesh_formats[i]; i++)

@@ -21,6 +21,7 @@ void vvi_painted_free(vvi_painted *painted)
     vv_image_bytes_free(painted->bytes);
     free(painted->resolved);
     free(painted->error);
+    free(painted->where);
     free(painted->warnings);
     *painted = (vvi_painted){.n = 0};
 }
@@ -229,6 +230,7 @@ static void destroy(vvi_painter *painter)
         drop_wish(&painter->slots[i]);
         vvi_painted_free(&painter->slots[i].painted);
     }
+    vvi_shelf_clear(&painter->shelf);
     pthread_mutex_destroy(&painter->lock);
     pthread_cond_destroy(&painter->changed);
     vv_runtime_release(painter->runtime);
@@ -323,6 +325,13 @@ void vvi_painter_forget(vvi_painter *painter, int at)
         if (painter->brushes[i].job)
             vv_job_cancel(painter->brushes[i].job);
     }
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void vvi_painter_count_rays(vvi_painter_rays *out, vvi_painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    *out = (vvi_painter_rays){painter->n_cast, painter->n_kept};
     pthread_mutex_unlock(&painter->lock);
 }
 

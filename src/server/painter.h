@@ -56,8 +56,15 @@ typedef struct vvi_painted {
     const char *method;    /**< a row of the renderer table */
     char *resolved;        /**< the scene with all that was worked out, as JSON; NULL: as it was */
     char *error;           /**< one sentence */
+    char *where;           /**< the property of the World that the error is about; NULL: none is known */
     vvi_warnings warnings; /**< of files that were read; with a frame, or without one */
 } vvi_painted;
+
+/** Rays of all pictures at rest so far. */
+typedef struct vvi_painter_rays {
+    uint64_t cast; /**< now */
+    uint64_t kept; /**< before, for a picture that depends on the same things */
+} vvi_painter_rays;
 
 typedef struct vvi_painter vvi_painter;
 
@@ -72,6 +79,7 @@ void vvi_painter_rest(vvi_painter *painter, int slot);
 bool vvi_painter_is_free(vvi_painter *painter, int slot);
 /** The view is gone: its wish and its frame too. */
 void vvi_painter_forget(vvi_painter *painter, int slot);
+void vvi_painter_count_rays(vvi_painter_rays *out, vvi_painter *painter);
 /** Takes the frame of a view; false where there is no new one. Free it with vvi_painted_free(). */
 bool vvi_painter_take(vvi_painted *out, vvi_painter *painter, int slot);
 void vvi_painted_free(vvi_painted *painted);

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/os.h"
 #include "core/status.h"
+#include "render/picture_depends.h"
 #include "server/painter_impl.h"
 
 #include <math.h>
@@ -13,6 +14,8 @@
 enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
 /* What a picture takes while it is drawn and encoded; those of a screen of 5120 x 2880 are drawn as they are. */
 enum { PIXEL_BYTES = 56, PIXELS_MOST = 1 << 24, PIXELS_LEAST = 1 << 16 };
+/* Of the memory limit: what is kept of pictures that were left. */
+enum { SHELF_SHARE = 16 };
 /* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
 #define SECONDS_BETWEEN 0.15
 
@@ -116,36 +119,111 @@ static vv_status encode(painting *p, const vvi_painted *told, const vv_image *im
     return VV_OK;
 }
 
-static void show(void *user, const vv_refinement *r)
+/* What is there, unless the last one was shown just now, or is better than that. */
+static vv_status show(painting *p, vv_picture *picture)
 {
-    painting *p = user;
-    if (r->final || (r->level < 2 && !p->wish.coarse) ||
-        (r->level >= 2 && vvi_os_seconds() - p->last < SECONDS_BETWEEN && p->last > p->begin))
-        return;
-    vvi_painted painted = frame_of(p);
-    painted.level = r->level;
-    painted.passes = r->passes;
-    encode(p, &painted, r->image);
-}
-
-static vv_status render(painting *p)
-{
-    vv_render_options options;
     vv_render_report report;
-    vv_image *image = NULL;
-    vv_render_options_init(&options, sizeof options);
-    options.on_refined = p->wish.moving || p->draft ? NULL : show;
-    options.user = p;
-    vv_status st = vv_render(&image, &report, p->world, p->wish.view, &options, p->job);
+    vv_image *image;
+    const int level = vv_picture_level(picture);
+    if (level < 0 || (level < 2 && !p->wish.coarse) ||
+        (level == 2 && vvi_os_seconds() - p->last < SECONDS_BETWEEN && p->last > p->begin))
+        return VV_OK;
+    vv_status st = vv_picture_look(&image, picture, p->job);
     if (st != VV_OK)
         return st;
     vvi_painted painted = frame_of(p);
-    painted.level = p->draft ? 0 : 2;
+    vv_picture_report(&report, picture);
+    painted.level = level;
     painted.passes = report.passes;
-    painted.final = !is_quick(p);
-    painted.method = report.method;
     st = encode(p, &painted, image);
     vv_image_release(image);
+    return st;
+}
+
+static vv_status leave_last(painting *p, const vv_image *image, const vv_render_report *report)
+{
+    vvi_painted painted = frame_of(p);
+    painted.level = p->draft ? 0 : 2;
+    painted.passes = report->passes;
+    painted.final = !is_quick(p);
+    painted.method = report->method;
+    return encode(p, &painted, image);
+}
+
+static vv_status render_at_once(painting *p)
+{
+    vv_render_report report;
+    vv_image *image = NULL;
+    vv_status st = vv_render(&image, &report, p->world, p->wish.view, NULL, p->job);
+    if (st == VV_OK)
+        st = leave_last(p, image, &report);
+    vv_image_release(image);
+    return st;
+}
+
+static void count_rays(vvi_painter *painter, uint64_t kept, uint64_t cast)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->n_kept += kept;
+    painter->n_cast += cast;
+    pthread_mutex_unlock(&painter->lock);
+}
+
+static vv_status step(painting *p, vv_picture *picture)
+{
+    vv_picture_until until;
+    const uint64_t before = picture->got.counts.rays;
+    vv_picture_until_init(&until, sizeof until);
+    until.better = true;
+    const vv_status st = vv_picture_step(picture, &until, p->job);
+    count_rays(p->painter, 0, picture->got.counts.rays - before);
+    return st;
+}
+
+/* Better and better ones, to the last. */
+static vv_status refine(painting *p, vv_picture *picture)
+{
+    vv_render_report report;
+    vv_image *image;
+    vv_status st = vv_picture_is_whole(picture) ? VV_OK : show(p, picture); /* of one that is taken up */
+    while (st == VV_OK && !vv_picture_is_whole(picture))
+        if ((st = step(p, picture)) == VV_OK && !vv_picture_is_whole(picture))
+            st = show(p, picture);
+    if (st != VV_OK || (st = vv_picture_look(&image, picture, p->job)) != VV_OK)
+        return st;
+    vv_picture_report(&report, picture);
+    st = leave_last(p, image, &report);
+    vv_image_release(image);
+    return st;
+}
+
+/* Where memory is short, for what is kept of others none is there. */
+static vv_status new_picture(vv_picture **out, painting *p)
+{
+    const vv_status st = vv_picture_new(out, p->world, p->wish.view, true, p->job);
+    if (st != VV_E_LIMIT && st != VV_E_MEMORY)
+        return st;
+    vvi_shelf_clear(&p->painter->shelf);
+    return vv_picture_new(out, p->world, p->wish.view, true, p->job);
+}
+
+/* A picture at rest: goes on with one that was left, and is left for the next one. */
+static vv_status render_at_rest(painting *p)
+{
+    vvi_shelf *shelf = &p->painter->shelf;
+    vv_picture *picture;
+    uint64_t depends = 0;
+    vv_status st = new_picture(&picture, p);
+    if (st != VV_OK)
+        return st;
+    if ((st = vvi_picture_depends(&depends, picture, false, p->job)) == VV_OK) {
+        if (vvi_shelf_take(shelf, depends, picture))
+            count_rays(p->painter, picture->got.counts.rays, 0);
+        st = refine(p, picture);
+        if (st == VV_OK || st == VV_E_CANCELLED)
+            vvi_shelf_put(shelf, depends, picture, vv_runtime_memory_limit(p->painter->runtime) / SHELF_SHARE);
+    }
+    vv_picture_free(picture);
     return st;
 }
 
@@ -245,9 +323,11 @@ static void make_ready(painting *p)
 static void tell_failure(painting *p, vv_status st)
 {
     vvi_painted painted = frame_of(p);
+    const vv_error *error = vv_error_last();
     if (st == VV_OK || st == VV_E_CANCELLED)
         return;
-    painted.error = vvi_strdup(vv_error_last()->message);
+    painted.error = vvi_strdup(error->message);
+    painted.where = error->where && !error->file ? vvi_strdup(error->where) : NULL;
     leave(p, &painted);
 }
 
@@ -278,7 +358,7 @@ void vvi_painting_paint(painting *p)
     p->begin = p->last = vvi_os_seconds();
     vv_status st = look(p);
     if (st == VV_OK && !p->wish.unseen) {
-        st = render(p);
+        st = p->wish.moving || p->draft ? render_at_once(p) : render_at_rest(p);
     } else if (st == VV_OK) {
         vvi_painted painted = frame_of(p);
         leave(p, &painted);

@@ -4,6 +4,7 @@
 #ifndef VVI_SERVER_PAINTER_IMPL_H
 #define VVI_SERVER_PAINTER_IMPL_H
 #include "server/painter.h"
+#include "server/painter_shelf.h"
 #include <pthread.h>
 
 typedef struct slot {
@@ -42,7 +43,9 @@ struct vvi_painter {
     bool hurries;   /* quick frames are wished, or made */
     double reached; /* seconds that who had its turn last had used */
     brush brushes[BRUSHES];
-    uint64_t ready; /* scene that quick frames need nothing more for; of the fine brush alone */
+    uint64_t n_cast, n_kept; /* rays of pictures at rest that were cast; that were there already */
+    vvi_shelf shelf;         /* of the fine brush alone, as what follows */
+    uint64_t ready;          /* scene that quick frames need nothing more for; */
 };
 
 /* One wish being rendered; its brush's thread alone. */

@@ -42,6 +42,7 @@ static void finish(work *w)
 void vvi_preview_finish(vvi_preview *preview)
 {
     vv_image_release(preview->image);
+    vv_image_release(preview->input);
     *preview = (vvi_preview){0};
 }
 
@@ -229,7 +230,7 @@ static vv_status put_data(work *w, vv_object **root)
     return st == VV_OK ? vv_path_set(root, path, name, NULL) : st;
 }
 
-/* From where it is seen now, with the result in the place of the data. */
+/* From where it is seen now, with the result in the place of the data. What it is made of is drawn on the way. */
 static vv_status picture_world(vv_world **out, work *w)
 {
     vv_world *fixed = NULL;
@@ -237,8 +238,13 @@ static vv_status picture_world(vv_world **out, work *w)
     char path[PATH_ROOM];
     *out = NULL;
     vv_status st = vv_scene_fix(&fixed, w->scene);
-    if (st != VV_OK)
+    if (st == VV_OK && w->wish->tells_before)
+        st = vv_render(&w->out->input, NULL, fixed, w->wish->view, NULL, w->job);
+    if (st != VV_OK) {
+        if (fixed)
+            vv_object_release(&fixed->base);
         return st;
+    }
     if (keeps_values(w)) {
         root = vv_object_retain(&fixed->base);
     } else {
@@ -340,7 +346,7 @@ static vv_status make(work *w)
         st = vv_fail(VV_E_UNSUPPORTED, "%s makes a mesh, which slices do not show", w->made.operation->name);
     if (st != VV_OK)
         return st;
-    w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params);
+    w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params, w->out->info.n_frames);
     if (w->out->whole && parts > w->wish->whole_most && !w->wish->whole)
         return tell_time(w);
     st = w->out->whole ? make_whole(w) : make_box(w);

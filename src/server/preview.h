@@ -12,6 +12,7 @@ typedef struct vvi_preview_wish {
     vv_world *world; /**< its view has its size and its camera */
     const char *view;
     const char *volume;   /**< whose data the first input is, and in whose place the result is drawn */
+    bool tells_before;    /**< a picture of the input too: the volume shows something else now */
     const char *made;     /**< id of the dataset that would be made, which nothing shows */
     bool whole;           /**< all of it, where parts cannot be made, however large that is */
     double part_s;        /**< about how long a part may take, seconds */
@@ -22,6 +23,7 @@ typedef struct vvi_preview_wish {
 /** What was made of it; zeroed is valid to finish. */
 typedef struct vvi_preview {
     vv_image *image;    /**< NULL: it has to be made as a whole, and nobody asked for that */
+    vv_image *input;    /**< where that is wanted; else NULL */
     bool whole;         /**< parts cannot be made */
     bool full;          /**< all that the view shows of it is in the box */
     vv_box box;         /**< that was made; of a mesh nothing */

@@ -75,8 +75,11 @@ void vvi_request_take_notes(vvi_request *request, const vv_job *job);
  * what the session writes. said: as the page has it; path: with the suffix, where that is added. VV_E_ARGUMENT,
  * VV_E_NOT_FOUND. */
 vv_status vvi_request_take_place(vvi_request *request, const char *said, const char *path);
-/** VV_E_WRITE, and request->exists: there is such a file, which may not be replaced. */
-vv_status vvi_request_check_exists(vvi_request *request);
+/** Where the request does not say that the file may be replaced: the job keeps what exists. VV_E_WRITE, and
+ * request->exists: there is such a file already. */
+vv_status vvi_request_keep_existing(vvi_request *request, vv_job *job);
+/** The status of what was written then; request->exists where somebody else has taken the name meanwhile. */
+vv_status vvi_request_note_exists(vvi_request *request, vv_status status);
 /** {"path": ...} as the value of the answer: where the file is, from the root; with the note, where there is one. */
 void vvi_request_tell_path(vvi_request *request);
 /** The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */

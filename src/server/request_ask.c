@@ -1,6 +1,7 @@
 /* Questions about data and about what is seen. */
 #include "core/memory.h"
 #include "grid/label_id.h"
+#include "measuring/answer.h"
 #include "scene/resolve.h"
 #include "server/request.h"
 
@@ -8,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/about.h>
 #include <volvis/pick.h>
 
 static void put_vector(vvi_result *out, const char *key, vv_vec3 v)
@@ -165,35 +167,18 @@ static vv_status run_info(vvi_task *task, vv_job *job)
     vvi_request *r = (vvi_request *)(void *)task;
     const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->name);
     vv_field_info info;
-    char letters[16];
-    uint64_t bytes = 0;
+    vv_answer *answer = NULL;
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->name);
     vv_status st = vv_dataset_info(&info, r->world, dataset, job);
-    if (st == VV_OK)
-        st = vv_field_info_bytes(&bytes, &info);
-    if (st != VV_OK)
-        return st;
-    const double dims[3] = {(double)info.grid.dims[0], (double)info.grid.dims[1], (double)info.grid.dims[2]};
-    const vv_vec3 *axis = info.grid.index_to_world.axis;
-    const double spacing[3] = {vvi_length(axis[0]), vvi_length(axis[1]), vvi_length(axis[2])};
-    vv_grid_orientation(letters, &info.grid);
-    vvi_result_open(&r->value, NULL, '{');
-    vvi_result_numbers(&r->value, "dims", dims, 3);
-    vvi_result_numbers(&r->value, "spacing", spacing, 3);
-    put_vector(&r->value, "origin", info.grid.index_to_world.origin);
-    vvi_result_open(&r->value, "directions", '[');
-    for (int a = 0; a < 3; a++)
-        put_vector(&r->value, NULL, vvi_scaled(axis[a], 1 / spacing[a]));
-    vvi_result_close(&r->value, ']');
-    vvi_result_string(&r->value, "unit", info.grid.unit);
-    vvi_result_string(&r->value, "type", vv_type_name(info.type));
-    vvi_result_integer(&r->value, "components", info.components);
-    vvi_result_string(&r->value, "orientation", letters);
-    vvi_result_string(&r->value, "path", dataset->path);
-    vvi_result_unsigned(&r->value, "memory_bytes", bytes);
-    vvi_result_close(&r->value, '}');
-    return VV_OK;
+    if (st == VV_OK && (st = vv_about_samples(&answer, &info)) == VV_OK) {
+        vvi_result_open(&r->value, NULL, '{');
+        vvi_result_string(&r->value, "path", dataset->path);
+        vvi_answer_add_json(&r->value, answer);
+        vvi_result_close(&r->value, '}');
+    }
+    vv_answer_release(answer);
+    return st;
 }
 
 vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message)

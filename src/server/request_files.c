@@ -209,12 +209,12 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
 static vv_status run_save(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vv_status st = vvi_request_check_exists(r);
-    if (st == VV_OK && (st = vv_scene_write(r->path, r->world, job)) == VV_OK) {
-        vvi_files_keep(r->session, r->world);
-        vvi_request_tell_path(r);
-    }
-    return st;
+    vv_status st = vvi_request_keep_existing(r, job);
+    if (st != VV_OK || (st = vv_scene_write(r->path, r->world, job)) != VV_OK)
+        return vvi_request_note_exists(r, st);
+    vvi_files_keep(r->session, r->world);
+    vvi_request_tell_path(r);
+    return VV_OK;
 }
 
 static void done_save(vvi_task *task, vv_status st)

@@ -193,12 +193,13 @@ vv_status vvi_request_fail_made(const vv_operation *operation, const char *id, v
         (last->where[n] && last->where[n] != '.'))
         return st;
     vvi_error_take(&error);
-    const char *property = error.where[n] ? error.where + n + 1 : NULL, *text = error.message;
+    const char *inside = error.where + n, *text = error.message;
     if (strncmp(text, error.where, strlen(error.where)) == 0)
         text += strlen(error.where) + strspn(text + strlen(error.where), ": ");
+    const bool named = strchr(inside + (*inside == '.'), '.') != NULL; /* "parameters" alone says nothing */
     vvi_text sentence = {0};
     put_sentence(&sentence, text, operation->params);
-    st = vv_fail_at(st, NULL, property, "%s", sentence.s ? sentence.s : text);
+    st = vv_fail_at(st, NULL, named ? inside + 1 : NULL, "%s", sentence.s ? sentence.s : text);
     vvi_text_free(&sentence);
     vvi_error_copy_free(&error);
     return st;

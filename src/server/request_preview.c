@@ -19,7 +19,7 @@ static void put_three(vvi_result *out, const char *key, const int64_t v[3])
     vvi_result_numbers(out, key, (double[3]){(double)v[0], (double)v[1], (double)v[2]}, 3);
 }
 
-static vv_status put_picture(vvi_result *out, const vv_image *image, vv_job *job)
+static vv_status put_picture(vvi_result *out, const char *key, const vv_image *image, vv_job *job)
 {
     vv_image_options options;
     uint8_t *bytes = NULL;
@@ -28,7 +28,7 @@ static vv_status put_picture(vvi_result *out, const vv_image *image, vv_job *job
     options.fast = true;
     vv_status st = vv_image_encode(&bytes, &n, ".png", image, &options, job);
     if (st == VV_OK)
-        st = vvi_request_put_bytes(out, "picture", "image/png", bytes, n);
+        st = vvi_request_put_bytes(out, key, "image/png", bytes, n);
     vv_image_bytes_free(bytes);
     return st;
 }
@@ -54,8 +54,26 @@ static vv_status put_preview(vvi_result *out, const vvi_preview *p, vv_job *job)
         vvi_result_number(out, "after", p->after);
     }
     if (p->image)
-        st = put_picture(out, p->image, job);
+        st = put_picture(out, "picture", p->image, job);
+    if (p->image && p->input && st == VV_OK)
+        st = put_picture(out, "input", p->input, job);
     vvi_result_close(out, '}');
+    return st;
+}
+
+/* A step between others is compared with what it is made of, and not with what is made of that. */
+static vv_status show_input(bool *changed_out, vv_world **world, const vvi_request *r)
+{
+    char path[VVI_REQUEST_ID + 32], name[VVI_REQUEST_ID + 32];
+    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find((*world)->volumes, r->name);
+    *changed_out = volume && volume->data && strcmp(volume->data, r->dataset) != 0;
+    if (!*changed_out)
+        return VV_OK;
+    snprintf(path, sizeof path, "volumes.%.*s.data", VVI_REQUEST_ID, r->name);
+    snprintf(name, sizeof name, "\"%.*s\"", VVI_REQUEST_ID, r->dataset);
+    vv_object *root = &(*world)->base;
+    const vv_status st = vv_path_set(&root, path, name, NULL);
+    *world = (vv_world *)(void *)root;
     return st;
 }
 
@@ -65,10 +83,14 @@ static vv_status run(vvi_task *task, vv_job *job)
     vv_world *world = NULL;
     char id[VVI_REQUEST_ID];
     vvi_request_free_id(id, r->world, "preview");
+    bool tells_before = false;
     vv_status st = vvi_request_make_world(&world, r, id);
+    if (st == VV_OK)
+        st = show_input(&tells_before, &world, r);
     const vvi_preview_wish wish = {.world = world,
                                    .view = r->view,
                                    .volume = r->name,
+                                   .tells_before = tells_before,
                                    .made = id,
                                    .whole = r->whole,
                                    .part_s = PART_SECONDS,

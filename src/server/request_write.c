@@ -1,4 +1,5 @@
 /* Files that a page names: where they may be, and data of the World as such a file. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "run/made.h"
 #include "server/request.h"
@@ -22,6 +23,42 @@ static vv_status check_place(const vvi_session *s, const char *path)
         "server ends; choose another folder");
 }
 
+/* Whether a dataset of the World is read from this folder. */
+static const char *shown_from(const vv_world *world, const char *folder)
+{
+    struct stat here, source;
+    for (size_t i = 0; i < world->datasets->n && stat(folder, &here) == 0; i++) {
+        const vv_dataset *d = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        if (d->path && stat(d->path, &source) == 0 && source.st_dev == here.st_dev && source.st_ino == here.st_ino)
+            return world->datasets->entry[i].id;
+    }
+    return NULL;
+}
+
+/* What is put into a folder that is a volume would belong to it from then on, or make it none. A scene is no data: only
+ * folders that belong to a format as a whole have no place for it. */
+static vv_status check_folders(const vvi_request *r)
+{
+    char *folder = vvi_strdup(r->path);
+    const char *root = r->session->options.root;
+    const bool scene = vvi_files_is_scene(r->path);
+    vv_status st = folder ? VV_OK : vv_fail_memory(strlen(r->path));
+    for (char *slash; st == VV_OK && (slash = strrchr(folder, '/')) != NULL && slash != folder;) {
+        *slash = 0;
+        const char *name = strrchr(folder, '/'), *id = scene ? NULL : shown_from(r->world, folder);
+        if (id)
+            st = vv_fail(VV_E_ARGUMENT, "'%.200s' is the folder of the dataset '%.64s'; choose another one",
+                         vvi_files_from_root(r->session, folder), id);
+        else if (name && vvi_files_is_data_folder(name + 1, vv_runtime_registry(r->session->options.runtime)))
+            st = vv_fail(VV_E_ARGUMENT, "'%.200s' is a volume, and no folder for other files; choose another one",
+                         vvi_files_from_root(r->session, folder));
+        if (strcmp(folder, root) == 0)
+            break;
+    }
+    free(folder);
+    return st;
+}
+
 /* A suffix behind nothing would be a name, and a hidden one. */
 static vv_status check_name(const char *path)
 {
@@ -36,15 +73,27 @@ vv_status vvi_request_take_place(vvi_request *r, const char *said, const char *p
     vv_status st = check_name(said);
     if (st == VV_OK)
         st = vvi_files_resolve(&r->path, r->session, path, true);
-    return st == VV_OK ? check_place(r->session, r->path) : st;
+    if (st == VV_OK)
+        st = check_place(r->session, r->path);
+    return st == VV_OK ? check_folders(r) : st;
 }
 
-vv_status vvi_request_check_exists(vvi_request *r)
+vv_status vvi_request_keep_existing(vvi_request *r, vv_job *job)
 {
     struct stat info;
-    r->exists = !r->replace && lstat(r->path, &info) == 0;
+    if (r->replace)
+        return VV_OK;
+    vvi_job_keep_existing(job);
+    r->exists = lstat(r->path, &info) == 0;
     return r->exists ? vv_fail(VV_E_WRITE, "%s already exists, and is left as it is", strrchr(r->path, '/') + 1)
                      : VV_OK;
+}
+
+vv_status vvi_request_note_exists(vvi_request *r, vv_status st)
+{
+    struct stat info;
+    r->exists = st == VV_E_WRITE && !r->replace && lstat(r->path, &info) == 0;
+    return st;
 }
 
 void vvi_request_tell_path(vvi_request *r)
@@ -81,14 +130,14 @@ static vv_status run(vvi_task *task, vv_job *job)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->dataset);
     vv_status st = check_sources(r);
     if (st == VV_OK)
-        st = vvi_request_check_exists(r);
+        st = vvi_request_keep_existing(r, job);
     if (st == VV_OK)
         st = vvi_made_write(r->path, r->world, (const vv_dataset *)(const void *)dataset, job);
-    if (st == VV_OK) {
-        vvi_request_take_notes(r, job);
-        vvi_request_tell_path(r);
-    }
-    return st;
+    if (st != VV_OK)
+        return vvi_request_note_exists(r, st);
+    vvi_request_take_notes(r, job);
+    vvi_request_tell_path(r);
+    return VV_OK;
 }
 
 vv_status vvi_request_write(vvi_client *client, int64_t id, const json_t *message)

@@ -72,6 +72,7 @@ struct vvi_client {
     uint64_t wishes;     /* so often was the view to be drawn again */
     bool tells_outdated; /* that frame is final no more, and was not said to be */
     bool told_final;     /* nothing better than the frame that was sent last would come, it was told */
+    bool told_failed;    /* no frame would come, it was told */
     vvi_painted sent, waiting;
     int64_t pixels; /* of the frame under way */
     double seconds;
@@ -360,6 +361,8 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
 char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
 bool vvi_files_is_scene(const char *path);
+/** Whether a folder of that name is a volume. By suffix: a folder of thousands of files is not opened file by file. */
+bool vvi_files_is_data_folder(const char *name, const vv_registry *registry);
 
 /* disk_room.c ---------------------------------------------------------------------------------------------------------
  */

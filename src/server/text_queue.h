@@ -17,6 +17,7 @@ typedef enum vvi_line_kind {
     VVI_LINE_ENDED,   /**< ends of jobs: the same */
     VVI_LINE_CLIENTS, /**< the newest alone is, of this and the next kinds */
     VVI_LINE_JOB,
+    VVI_LINE_FAILED,
     VVI_LINE_RESOLVED
 } vvi_line_kind;
 

@@ -2,12 +2,13 @@
 import numpy as np
 
 
-def write(path, values, spacing=(1, 1, 1), unit="mm", origin=(0, 0, 0)):
-    """Samples [z, y, x] as NRRD."""
-    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int32": "int32", "uint32": "uint32", "int64": "int64", "float32": "float", "float64": "double"}
+def write(path, values, spacing=(1, 1, 1), unit="mm", origin=(0, 0, 0), steps=None):
+    """Samples [z, y, x] as NRRD. steps: the world vectors from sample to sample, where the grid is turned."""
+    directions = " ".join("(" + ",".join(repr(float(v)) for v in step) + ")" for step in (np.diag(spacing) if steps is None else steps))
+    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int8": "int8", "int32": "int32", "uint32": "uint32", "int64": "int64", "uint64": "uint64", "float32": "float", "float64": "double"}
     nz, ny, nx = values.shape
     header = (f"NRRD0004\ntype: {kinds[values.dtype.name]}\ndimension: 3\nspace: right-anterior-superior\n"
-              f"sizes: {nx} {ny} {nz}\nspace directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\n"
+              f"sizes: {nx} {ny} {nz}\nspace directions: {directions}\n"
               f"space origin: ({origin[0]},{origin[1]},{origin[2]})\nspace units: \"{unit}\" \"{unit}\" \"{unit}\"\n"
               "encoding: raw\nendian: little\n\n")
     with open(path, "wb") as file:

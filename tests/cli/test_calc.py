@@ -32,6 +32,20 @@ def test_formulas_are_those_of_numpy():
     assert np.array_equal(calc("round(a) + b", *inputs, type="i32"), np.rint(np.where(np.rint(a) == a, a, np.floor(abs(a) + 0.5) * np.sign(a))) + b)
 
 
+def test_all_types_and_what_is_missing():
+    for kind in ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"):
+        for shape in (5, 7, 9), (1, 6, 1):
+            data = np.abs(RANDOM.normal(0, 40, shape)).astype(kind)
+            if kind[0] == "f":
+                data[0, 2, 0] = np.nan
+            np.save("a.npy", data)
+            a = data.astype("f8")
+            assert np.allclose(calc("0.5*a - 3", "a.npy", type="f64"), 0.5 * a - 3, rtol=1e-15, equal_nan=True), kind
+            want = np.nan_to_num(np.floor(a / 2) + 1).clip(0, 100)
+            got = calc("clamp(floor(a/2) + 1, 0, 100)", "a.npy", type="u8")
+            assert got.dtype == "u1" and (got == want).all(), kind
+
+
 def test_names_say_which_volume_is_which():
     a, b = write("a"), write("b")
     truth = (a - b).astype("f4")

@@ -9,6 +9,7 @@ import zlib
 
 import hostile_files
 import numpy
+import tifffile
 from harness import VOLVIS, environment, fails, main, ok, sanitized, says, volvis
 from test_hostile import run_alone
 
@@ -177,6 +178,80 @@ def test_damaged_data_cost_no_more_than_64_mib_and_twice_the_file_before_they_ar
             least[str(words)] = run_alone(*words, "tiny.nii.gz")[2]
         beyond = peak - least[str(words)]
         assert beyond < (64 << 20) + 2 * size, f"{words[0]} {name}: {beyond / 2**20:.0f} MiB for {size} bytes"
+
+
+def glb(count):
+    bulk = bytes(12 * count) + numpy.tile(numpy.arange(3, dtype="<u4"), count).tobytes()
+    views = [{"buffer": 0, "byteOffset": i * 12 * count, "byteLength": 12 * count} for i in range(2)]
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3"}, {"bufferView": 1, "componentType": 5125, "count": 3 * count, "type": "SCALAR"}]
+    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(bulk)}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "bufferViews": views, "accessors": accessors}).encode()
+    text += b" " * (-len(text) % 4)
+    return b"glTF" + struct.pack("<IIII", 2, 28 + len(text) + len(bulk), len(text), 0x4e4f534a) + text + struct.pack("<II", len(bulk), 0x4e4942) + bulk
+
+
+def vtp(count):
+    data = [bytes(12 * count), numpy.tile(numpy.arange(3, dtype="<i4"), count).tobytes(), (3 * numpy.arange(1, count + 1)).astype("<i4").tobytes()]
+    at = [0, 4 + len(data[0]), 8 + len(data[0]) + len(data[1])]
+    arrays = [f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{n}" format="appended" offset="{offset}"/>'
+              for kind, name, n, offset in zip(("Float32", "Int32", "Int32"), ("Points", "connectivity", "offsets"), (3, 1, 1), at)]
+    return (f'<?xml version="1.0"?><VTKFile type="PolyData" version="0.1" byte_order="LittleEndian"><PolyData><Piece NumberOfPoints="{count}" NumberOfVerts="0" '
+            f'NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="{count}"><Points>{arrays[0]}</Points><Polys>{arrays[1]}{arrays[2]}</Polys></Piece></PolyData>'
+            '<AppendedData encoding="raw">_').encode() + b"".join(struct.pack("<I", len(one)) + one for one in data) + b"</AppendedData></VTKFile>"
+
+
+def large_meshes():
+    """Each of some 50 MB that takes more than 64 MiB of memory: places of their own, or polygons that become several triangles."""
+    facets = numpy.zeros(10**6, [("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("bits", "<u2")])
+    facets["corner"][:, :, 0] = numpy.arange(len(facets))[:, None]
+    facets["corner"][:, 1, 1] = facets["corner"][:, 2, 2] = 1
+    yield "a.stl", bytes(80) + struct.pack("<I", len(facets)) + facets.tobytes()
+    squares = numpy.zeros(3 * 10**6, [("n", "u1"), ("corner", "<i4", 4)])
+    squares["n"], squares["corner"] = 4, [0, 1, 2, 3]
+    yield "a.ply", (b"ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                    b"element face 3000000\nproperty list uchar int vertex_indices\nend_header\n") + bytes(48) + squares.tobytes()
+    yield "a.obj", b"v 0 0 0\n" * 4 * 10**6 + b"f 1 2 3\n" * 10**6
+    yield "a.off", b"OFF\n3000000 3000000 0\n" + b"0 0 0\n" * 3 * 10**6 + b"3 0 1 2\n" * 3 * 10**6
+    yield "a.vtp", vtp(2 * 10**6)
+    yield "a.glb", glb(2 * 10**6)
+
+
+def test_damaged_meshes_cost_no_more_either():
+    if sanitized():
+        return
+    write("tiny.stl.gz", gzip.compress(bytes(80) + struct.pack("<I", 1) + struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0), mtime=0))
+    least = {words: run_alone("info", "tiny.stl.gz", *words)[2] for words in ((), ("--safe",))}
+    for name, data in large_meshes():
+        name, whole = f"{name}.gz", gzip.compress(data, 1, mtime=0)
+        for damaged, said, words in ((whole[:-8] + b"oops" + whole[-4:], "data check", ()), (whole[:-len(whole) // 16], "is cut short", ("--safe",))):
+            write(name, damaged)
+            code, message, peak = run_alone("info", name, *words)
+            assert code == 3 and said in message, (name, message)
+            beyond = peak - least[words]
+            assert beyond < (64 << 20) + 2 * len(damaged), f"{name} {words}: {beyond / 2**20:.0f} MiB for {len(damaged)} bytes"
+        os.remove(name)
+
+
+def test_damaged_strips_of_tiff_are_missing():
+    """libtiff stops at the last number, whatever comes then."""
+    tifffile.imwrite("a.tif", numpy.frombuffer(NOISE[:1 << 14], "u1").reshape(4, 64, 64), photometric="minisblack", compression="zlib", rowsperstrip=64)
+    with tifffile.TiffFile("a.tif") as tif:
+        at, n = tif.pages[2].dataoffsets[0], tif.pages[2].databytecounts[0]
+    assert volvis("info", "--stats", "a.tif").code == 0
+    with open("a.tif", "r+b") as file:
+        file.seek(at + n - 4)  # the checksum of the third page
+        file.write(b"oops")
+    run = volvis("info", "--stats", "a.tif")
+    assert run.code == 7 and "12288 of 16384 numbers are there" in run.message, run.message
+
+
+def test_what_strangers_pack_may_not_look_back_far():
+    """What a decoder of zstd looks back at is memory, too: a window of 128 MiB, then of 8 MiB."""
+    data = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n\n" + bytes(4096)
+    for log, words, code in ((27, (), 0), (27, ("--safe",), 3), (23, ("--safe",), 0)):
+        write("a.nrrd.zst", b"\x28\xb5\x2f\xfd\0" + bytes([(log - 10) << 3]) + (len(data) << 3 | 1).to_bytes(3, "little") + data)
+        run = volvis("info", "--stats", "a.nrrd.zst", *words)
+        assert run.code == code and ("looks back further" in run.message) == (code == 3), run.message
 
 
 def test_what_is_promised_and_not_there_costs_nothing():

@@ -78,6 +78,74 @@ def test_resampling_onto_another_grid_is_that_of_scipy():
             assert np.abs(got.astype("f8") - want).max() <= room, (kind, name)
 
 
+def kernel(name, x):
+    x = np.abs(x)
+    if name == "linear":
+        return np.maximum(1 - x, 0)
+    if name == "cubic":  # Keys 1981
+        return np.where(x < 1, (1.5 * x - 2.5) * x * x + 1, np.where(x < 2, ((-0.5 * x + 2.5) * x - 4) * x + 2, 0))
+    return np.where(x < 3, np.sinc(x) * np.sinc(x / 3), 0)
+
+
+def weights(name, old, new):
+    """Of old samples, for each new one; beyond the ends values rise as they did."""
+    step = old / new
+    at, width = ((np.arange(new) + 0.5) * step - 0.5).clip(0, old - 1), max(step, 1)
+    if name == "nearest":
+        return np.eye(old)[np.floor((np.arange(new) + 0.5) * step).astype(int).clip(0, old - 1)]
+    far = int(3 * width) + 2
+    wide = kernel(name, (np.arange(-far, old + far) - at[:, None]) / width)
+    out = wide[:, far : far + old].copy()
+    for k in range(1, far + 1) if name != "linear" or width > 1 else ():
+        for end, mirrored, w in ((0, min(k, old - 1), wide[:, far - k]), (old - 1, max(old - 1 - k, 0), wide[:, far + old - 1 + k])):
+            out[:, end] += 2 * w if name != "linear" else 0
+            out[:, mirrored] -= w if name != "linear" else 0
+    return out / out.sum(1, keepdims=True)
+
+
+def test_resampling_to_a_size_is_its_formula():
+    need_scipy()
+    for number, kind in enumerate(KINDS):
+        for name in ("nearest", "linear", "cubic", "lanczos"):
+            for shape, size in (((9, 13, 17), (14, 6, 17)), ((1, 11, 8), (1, 5, 19)), ((7, 1, 1), (3, 1, 1)))[number % 2 :]:
+                data = samples(kind, shape)
+                np.save("a.npy", data)
+                ok("resample", "a.npy", "-o", "b.npy", "--overwrite", "--size", "%d,%d,%d" % size[::-1], "--interpolation", name)
+                want = data.astype("f8")
+                for axis in range(3):
+                    want = np.moveaxis(np.tensordot(weights(name, shape[axis], size[axis]), want, (1, axis)), 0, axis)
+                got = np.load("b.npy").reshape(size)
+                if data.dtype.kind != "f":
+                    want = want.clip(np.iinfo(kind).min, np.iinfo(kind).max)
+                room = 1e-4 if data.dtype.kind == "f" else 0.5 + 1e-6
+                assert got.dtype == data.dtype and np.abs(got - want).max() <= room, (kind, name, shape, np.abs(got - want).max())
+
+
+def test_kernels_are_those_of_pillow():
+    need_scipy()
+    try:
+        from PIL import Image
+    except ImportError as error:
+        raise Skip("Pillow is not there") from error
+    plane = np.random.default_rng(2).normal(0, 50, (37, 53)).astype("f4")
+    np.save("a.npy", plane[None])
+    for name, filter_of in (("linear", Image.BILINEAR), ("cubic", Image.BICUBIC), ("lanczos", Image.LANCZOS)):
+        for size in (19, 23), (90, 71), (31, 120):
+            ok("resample", "a.npy", "-o", "b.npy", "--overwrite", "--size", "%d,%d,1" % size, "--interpolation", name)
+            far = np.abs(np.load("b.npy")[0] - np.asarray(Image.fromarray(plane).resize(size, filter_of)))
+            ends = [3 + int(np.ceil(3 * max(n / o, 1))) for n, o in zip(size[::-1], plane.shape)]  # it cuts kernels there
+            assert far[ends[0] : -ends[0], ends[1] : -ends[1]].max() < 2e-3, (name, size, far.max())
+
+
+def test_what_is_missing_makes_what_it_has_a_part_in_missing():
+    need_scipy()
+    data = samples("f4", (1, 9, 11))
+    data[0, 4, 5] = np.nan
+    np.save("a.npy", data)
+    ok("resample", "a.npy", "-o", "b.npy", "--overwrite", "--size", "22,9,1")
+    assert np.isnan(np.load("b.npy")).sum() == 4 and np.isnan(np.load("b.npy"))[0, 4, 9:13].all()
+
+
 def test_without_a_fill_integers_are_0_outside_and_floats_missing():
     need_scipy()
     for kind in ("u2", "f4"):

@@ -56,6 +56,19 @@ def test_clamping_keeps_all_digits_and_ends_inside_the_range():
     says(fails(2, "clamp", "a.npy", "-o", "x.npy"), "range is needed")
 
 
+def test_windows_are_their_formula():
+    need_numpy()
+    for kind in KINDS:
+        for shape in SHAPES:
+            data = samples(kind, shape)
+            np.save("a.npy", data)
+            share = (np.clip(data.astype("f8"), 40, 70) - 40) / 30
+            got = result("rescale", "--from", "40..70", "--to", "0..1", "--type", "f32")
+            assert np.allclose(got, share, atol=1e-6, equal_nan=True), kind
+            got = result("rescale", "--from", "40..70", "--type", "u8").astype("f8")
+            assert np.abs(got - np.nan_to_num(255 * share)).max() <= 0.5 + 1e-4, kind
+
+
 def write_scaled(path, data):
     """Stored numbers that mean 100 - 2 v."""
     with open(path, "wb") as file:
@@ -231,7 +244,8 @@ def test_noise_is_the_same_for_a_seed_and_of_each_step_its_own():
     steps = np.zeros((3, 5, 6, 7), "f4")
     steps[0, 1, 2, 3] = np.nan
     np.save("a.npy", steps)
-    first, again, other = (result("add-noise", "--seed", seed) for seed in (4, 4, 5))
+    says(fails(2, "add-noise", "a.npy", "-o", "x.npy"), "all values are the same")
+    first, again, other = (result("add-noise", "--sigma", 10, "--seed", seed) for seed in (4, 4, 5))
     assert np.array_equal(first, again, equal_nan=True) and (first != other).all()
     assert np.isnan(first[0, 1, 2, 3]) and np.isnan(first).sum() == 1
     assert len(np.unique(first[~np.isnan(first)])) == first.size - 1
@@ -239,6 +253,20 @@ def test_noise_is_the_same_for_a_seed_and_of_each_step_its_own():
         np.save("a.npy", samples(kind, holes=False))
         got = result("add-noise", "--sigma", "3").astype("f8") - samples(kind, holes=False).astype("f8")
         assert 1.5 < got.std() < 4.5, (kind, got.std())
+
+
+def test_noise_is_as_large_as_the_values_say_in_all_time_steps_alike():
+    need_numpy()
+    steps = np.linspace(-0.5, 0.5, 2 * 40**3).reshape(2, 40, 40, 40).astype("f4")
+    steps[0, 0, 0, :3] = (9e9, -9e9, np.nan)  # few of them: no percentile
+    np.save("a.npy", steps)
+    low, high = (np.percentile(step[np.isfinite(step)], (0.1, 99.9)) for step in steps)
+    sigma = 0.05 * max(low[1] - low[0], high[1] - high[0])
+    got = result("add-noise").astype("f8") - steps
+    for found in (got[0, 1:], got[1]):
+        near(found.var(), sigma**2, sigma**2 * 2**0.5, found.size, "automatic")
+    given = result("add-noise", "--sigma", repr(float(sigma)))
+    assert np.allclose(given[1], steps[1] + got[1], atol=1e-5)
 
 
 def test_noise_in_little_memory_is_the_same():

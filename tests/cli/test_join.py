@@ -65,6 +65,11 @@ def test_splitting_gives_the_steps_with_what_the_series_says():
     assert said["outputs"] == [f"n{i}.nrrd" for i in range(12)] and not glob.glob("n*.nrrd")
     ok("join", *names, "-o", "back.nii.gz", "--period", "3", "--period-unit", "s")
     assert np.array_equal(np.asanyarray(nibabel.load("back.nii.gz").dataobj), data)
+    for suffix in "nii", "nrrd":  # the period comes back
+        ok("split", "back.nii.gz", "-o", f"p%d.{suffix}")
+        ok("join", f"p0.{suffix}", f"p1.{suffix}", "-o", f"again.{suffix}")
+        said = ok("info", f"again.{suffix}", "--json").json
+        assert (said["frame_step"], said["frame_unit"], said["frames"]) == (3, "s", 2), said
     says(fails(2, "split", "s.nii.gz", "-o", "x.nii"), "step-%03d.nii.gz")
     says(fails(2, "split", "s.nii.gz", "-o", "%d-%d.nii"), "stands once")
     says(fails(2, "split", "s.nii.gz@3", "-o", "x%d.nii"), "'volvis convert' writes one")

@@ -78,6 +78,22 @@ def test_otsu_of_reals_is_within_a_bin():
     assert (np.load("b.npy")[0, 0, :4] == 0).all()
 
 
+def test_limits_are_those_of_scikit_image():
+    need_scipy()
+    try:
+        from skimage import filters
+    except ImportError as error:
+        raise Skip("scikit-image is not there") from error
+    data = np.concatenate([np.random.default_rng(1).normal(m, 9, 9000) for m in (40, 110, 180)]).clip(0, 255).astype("u1").reshape(27, 25, 40)
+    assert (made("threshold", data, "--method", "otsu") == (data > filters.threshold_otsu(data))).all()
+    for classes in 3, 4:
+        limits = filters.threshold_multiotsu(data, classes, nbins=256)
+        assert (made("threshold", data, "--method", "multi-otsu", "--classes", str(classes)) == np.digitize(data, limits, right=True)).all()
+    assert (made("threshold", data, "--method", "li") == (data > filters.threshold_li(data, tolerance=1e-4))).mean() > 0.999
+    want = filters.apply_hysteresis_threshold(data, 119.5, 200.5)
+    assert (made("threshold", data, "--method", "hysteresis", "--range", "120..", "--strong", "201..", "--connectivity", "6") == want).all()
+
+
 def test_hysteresis_keeps_what_has_a_strong_value():
     need_scipy()
     for shape in SHAPES:
@@ -236,7 +252,7 @@ def test_a_part_grows_as_far_as_scipy_says():
             assert (got == np.isin(labels, found)).all(), (shape, connectivity)
         x, y, z = seeds[0]
         near = data[max(z - 2, 0):z + 3, max(y - 2, 0):y + 3, max(x - 2, 0):x + 3].astype("f8")
-        lo, hi = near.mean() - 1.5 * near.std(), max(near.mean() + 1.5 * near.std(), data[z, y, x])
+        lo, hi = near.mean() - 1.5 * near.std(ddof=1), max(near.mean() + 1.5 * near.std(ddof=1), data[z, y, x])
         labels, _ = ndimage.label((data >= lo) & (data <= hi))
         got = made("grow", data, "--seed", f"{x},{y},{z}", "--deviations", "1.5", "--radius", "2")
         assert (got == (labels == labels[z, y, x])).all(), shape

@@ -82,8 +82,38 @@ def test_a_sphere_has_the_silhouette_of_a_disc():
 def test_the_method_is_surface_and_others_say_why_not():
     write_box("box.ply")
     says(render("box.ply").text, "surface")
-    for method in ("raycast", "boxes", "reduced"):
+    for method in ("boxes", "reduced"):
         says(fails(1, "render", "box.ply", "-o", "no.png", "--method", method), "volumes.box", "mesh", "method=surface")
+    says(fails(1, "render", "box.ply", "-o", "no.png", "--method", "raycast", "--mode", "mean"), "volumes.box", "mesh", "mode=composite")
+
+
+def test_rays_and_triangles_make_the_same_picture_of_a_mesh():
+    places, triangles = sphere(5, 120)
+    write_ply("ball.ply", places, triangles, ("uchar red", "uchar green", "uchar blue"),
+              [f"{int(120 + 20 * x)} {int(120 + 20 * y)} {int(120 + 20 * z)}" for x, y, z in places])
+    for look in (["--view", "30,20", "--clip", "plane(n=1,1,1 d=1)"], ["--view", "top", "--parallel", "12"], ["--view", "10,5", "--fov", "80deg"]):
+        made = []
+        for method in ("surface", "raycast"):
+            render("ball.ply", "--method", method, "--spp", "1", "--size", "120x120", *look)
+            made.append(pixels("out.png").astype(int))
+        away = abs(made[0] - made[1]).max(axis=2)
+        assert (away > 2).mean() < 0.004, ((away > 2).mean(), look)
+
+
+def test_a_mesh_in_a_cloud_is_seen_through_it_and_picked():
+    write_nrrd("fog.nrrd", (16, 16, 16), lambda x, y, z: 100)
+    write_ply("ball.ply", *sphere(4, 60, (7.5, 7.5, 7.5)))
+    look = ["--view", "top", "--parallel", "20", "--size", "60x60", "--tf", "fog=0:0 50:0.01#0000ff 200:0.01"]
+    report = ok("render", "fog.nrrd", "ball.ply", *look, "--spp", "1", "-o", "out.png", "--overwrite", "--json").json
+    assert report["method"] == "raycast"
+    red = pixels("out.png")[..., 0] > 20
+    assert abs(red.sum() / (math.pi * 12 * 12) - 1) < 0.05, red.sum()
+    there, away = ok("pick", "fog.nrrd", "ball.ply", *look, "--pixel", "30,30", "--pixel", "12,12", "--json").json["pixels"]
+    assert there["volume"] == "ball" and abs(there["world"][2] - 11.5) < 0.1, there
+    assert not away["hit"], away
+    ok("render", "fog.nrrd", "ball.ply", *look, "-o", "a.exr", "--aov", "id,depth,normal", "--overwrite")
+    layers = next(part for part in exr.read("a.exr") if isinstance(part, dict) and "id" in part)
+    assert layers["id"][30, 30] == 2 and layers["id"][12, 12] == 0 and layers["normal.Z"][30, 30] > 0.98
 
 
 def test_pictures_and_scenes_repeat_themselves():
@@ -143,7 +173,7 @@ def test_a_mesh_stands_beside_a_volume_and_other_meshes():
     write_ply("a.ply", *square(4, 30))
     write_ply("b.ply", *square(4, -30))
     report = ok("render", "head.nrrd", "a.ply", "b.ply", "a.ply", "-o", "all.png", "--json").json
-    assert report["method"] == "surface"
+    assert report["method"] == "raycast"
     scene = json.loads(png_text("all.png")["VolVis:Scene"])
     assert list(scene["volumes"]) == ["head", "a", "b", "a_2"]
     assert [v["data"] for v in scene["volumes"].values()] == ["head", "a", "b", "a_2"]

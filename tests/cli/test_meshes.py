@@ -378,7 +378,7 @@ def test_meshes_and_volumes_are_told_apart():
     says(fails(3, "convert", "box.ply", "-o", "box.nrrd"), "is a mesh")
     says(fails(2, "convert", "box.ply", "-o", "box.stl", "--type", "u8"), "--type")
     says(fails(2, "info", "box.ply", "--stats"), "--stats")
-    says(fails(1, "render", "box.ply", "-o", "a.png", "--method", "raycast"), "mesh")
+    says(fails(1, "render", "box.ply", "-o", "a.png", "--method", "raycast", "--mode", "maximum"), "mesh")
     says(fails(2, "convert", "box.ply", "-o", "box.ply"), "--overwrite")
     says(fails(2, "convert", "box.ply", "-o", "box.stl", "--encoding", "zlib"), "no encoding 'zlib'")
 

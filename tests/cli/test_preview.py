@@ -1,4 +1,5 @@
 """Thumbnails of `info --preview`: as image files, and in terminals of every kind."""
+import gzip
 import itertools
 import os
 import pty
@@ -157,6 +158,14 @@ def test_thinned_slices_show_the_same_as_whole_ones():
                      "spacings: %g %g %g\n" % tuple(steps))
     large, small = (preview(name + ".nrrd", "--size", "600x300") for name in ("large", "small"))
     assert large.shape == small.shape and abs(large - small).max() <= 8
+
+
+def test_what_comes_packed_by_a_pipe_has_a_picture_too():
+    write_ball()
+    with open("head.nrrd", "rb") as file:
+        packed = gzip.compress(file.read())
+    shown = ok("info", "head.nrrd", "--preview=blocks").text.splitlines()[-10:]
+    assert ok("info", "-", "--preview=blocks", stdin=packed).text.splitlines()[-10:] == shown
 
 
 def test_what_is_no_terminal_gets_letters():

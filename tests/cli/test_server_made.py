@@ -1,4 +1,5 @@
 """Scenes with data that are made of others, in the page: parameters are edits, pictures follow, and nothing runs without bounds."""
+import asyncio
 import io
 import json
 import os
@@ -101,6 +102,40 @@ def test_operations_run_on_what_is_made():
         assert made.read() == truth.read()
 
 
+def test_a_new_name_that_two_pages_want_at_once_is_that_of_one():
+    write_ball()
+    ok("pipe", "head.nrrd", "resample --size 128,128,128 --interpolation cubic", "-o", "made.vv.json")
+    with Server("made.vv.json") as server:
+        async def work():
+            async with Page(server) as one, Page(server) as two:
+                dataset = next(name for name in datasets_of(one) if name != "head")
+                return [await asyncio.gather(*(page.answer("write", dataset=dataset, path=os.path.abspath(f"{i}.nrrd")) for page in (one, two)))
+                        for i in range(3)]
+        for i, answers in enumerate(run(work())):
+            won, lost = sorted(answers, key=lambda answer: not answer["ok"])
+            assert won["ok"] and lost.get("reason") == "exists" and f"{i}.nrrd already exists" in lost["error"].replace(":", ""), answers
+
+
+def test_a_folder_that_is_a_volume_has_no_place_for_other_files():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "z.ome.zarr")
+    ok("convert", "head.nrrd", "-o", "slices/%03d.png")
+    ok("convert", "head.nrrd", "-o", "other.ome.zarr")
+    with Server("z.ome.zarr", "slices") as server:
+        async def work():
+            async with Page(server) as page:
+                dataset = next(iter(datasets_of(page)))
+                for kind, path, said in (("write", "z.ome.zarr/x.nrrd", "is the folder of the dataset"), ("write", "slices/x.png", "is the folder of the dataset"),
+                                         ("write", "other.ome.zarr/0/x.nrrd", "other.ome.zarr' is a volume"), ("save", "z.ome.zarr/x", "is a volume, and no folder for")):
+                    members = {"dataset": dataset} if kind == "write" else {}
+                    says(await page.refused(kind, path=os.path.abspath(path), **members), said)
+                await page.ask("save", path=os.path.abspath("slices/x"))  # no data: the slices are what they were
+                await page.ask("write", dataset=dataset, path=os.path.abspath("new.ome.zarr"))
+        run(work())
+    ok("info", "new.ome.zarr")
+    assert not os.path.exists("z.ome.zarr/x.nrrd") and not os.path.exists("slices/x.png") and not os.path.exists("other.ome.zarr/0/x.nrrd")
+
+
 def test_a_step_that_is_switched_off_is_left_out():
     write_ball()
     ok("pipe", "head.nrrd", "gaussian --sigma 4vox | median --radius 1", "-o", "made.vv.json")
@@ -128,6 +163,33 @@ def test_a_step_that_is_switched_off_is_left_out():
     for made, truth in (("one.nrrd", "truth.nrrd"), ("none.nrrd", "as_it_is.nrrd")):
         with open(made, "rb") as one, open(truth, "rb") as other:
             assert one.read() == other.read(), made
+
+
+def test_what_becomes_labels_or_none_any_more_is_shown_so_unless_somebody_said_how():
+    write_ball()
+    ok("threshold", "head.nrrd", "--range", "90..", "-o", "body.nii.gz")
+    with Server("body.nii.gz") as server:
+        async def work():
+            async with Page(server) as page:
+                async def kind():
+                    await page.resting()
+                    await page.until(lambda: [m for m in page.messages if m["type"] == "resolved" and m["number"] == page.world["number"]])
+                    said = [m for m in page.messages if m["type"] == "resolved"][-1]["world"]["volumes"]["body"]
+                    return said["segmentation"]["kind"], said["interpolation"]
+                kinds = [await kind()]
+                made = (await page.ask("run", operation="calc", dataset="body", inputs={"a": "body"}, parameters={"formula": "a * 2.5"}))["dataset"]
+                kinds.append(await kind())
+                await page.edit(("set", f"datasets.{made}.on", False))
+                kinds.append(await kind())
+                await page.edit(("set", f"datasets.{made}.on", True))
+                await page.ask("run", operation="threshold", dataset=made, parameters={"range": "2.."})
+                kinds.append(await kind())
+                await page.edit(("set", "volumes.body.segmentation.kind", "transfer"))
+                kinds.append(await kind())
+                return kinds
+        kinds = run(work())
+    labels, amounts = ("labels", "nearest"), ("transfer", "linear")
+    assert kinds == [labels, amounts, labels, labels, ("transfer", "nearest")], kinds
 
 
 def test_results_that_older_versions_wrote_are_files():
@@ -167,11 +229,15 @@ def test_what_cannot_be_made_is_said_and_the_server_goes_on():
                 before = await page.resting()
                 for path, value, sentence in bad:
                     await page.edit(("set", path, value))
-                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "notice" and sentence in m["text"]), None))
+                    error = await page.until(lambda: next((m for m in page.messages if m["type"] == "failed" and sentence in m["text"]), None))
                     says(error["text"], "datasets.gaussian")
+                    assert error["where"].startswith("datasets.gaussian") and error["frame"] >= before.number, error
                     says(await page.refused("info", dataset="gaussian"), "datasets.gaussian") if sentence != "memory" else None
+                    told = len(page.messages)
                     await page.say("undo")
-                    await page.heard()
+                    await page.until(lambda: any(m["type"] == "outdated" for m in page.messages[told:]))  # what failed is tried again
+                    assert (await page.resting()).number > error["frame"]
+                assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"], page.messages
                 await page.edit(*(("set", f"datasets.{name}", value) for name, value in links.items()))
                 says(await page.refused("info", dataset="d98"), "more than 64 operations")
                 assert (await page.ask("info", dataset="d50"))["dims"] == (await page.ask("info", dataset="head"))["dims"]

@@ -137,6 +137,9 @@ def test_each_stored_one_has_the_line_that_measures_it_again():
         "piece": {"what": "summary", "iso": 1, "seed": [5, 6, 8.4], "space": "world"},
         "part": {"what": "histogram", "box": "2..20,..,3..9", "bins": 12, "range": [[-3.5, 4]]},
         "cut": {"what": "volume", "threshold_hi": 2.5, "method": "count", "cut_planes": [{"normal": [1, 2, 0], "offset": 5}]},
+        "drawn": {"what": "statistics", "space": "world", "region": {"kind": "polygon", "outline": [[2, 2, 4], [9, 3.5, 4], [5, 9, 4]], "center": [1, 2, 3], "thickness": 1.5}},
+        "ball": {"what": "volume", "iso": 0, "region": {"kind": "ellipsoid", "center": [10, 9, 8], "size": [12, 9, 7.5], "normal": [0.5, 0, 1]}},
+        "off": {"what": "area", "iso": 0.5, "method": "count", "closed": False},
     }
 
     async def work(page):

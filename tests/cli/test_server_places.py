@@ -326,11 +326,19 @@ def test_a_font_below_the_root_is_read_only_where_it_was_given():
             if not given:
                 await page.until(lambda: errors(page, "warning"))  # it may come behind the picture
             return after != before, errors(page), errors(page, "warning")
-    for words, given in (((), False), (("--set", f"views.main.decorations.font={os.path.abspath('a/font.ttf')}"), True)):
-        with Server("a/ball.nrrd", "--root", "a", *words, state=f"state{given}", verb="serve") as server:
+    with open("a/stranger.vv.json", "w", encoding="utf-8") as file:
+        json.dump({"schema": 1, "datasets": {"ball": {"path": "ball.nrrd"}}, "volumes": {"ball": {"data": "ball"}},
+                   "views": {"main": {"decorations": {"font": "font.ttf", "caption": "mmmm iiii"}}}}, file)
+    for shown, words, given in (("ball.nrrd", (), False), ("stranger.vv.json", (), False),
+                                ("ball.nrrd", ("--set", f"views.main.decorations.font={os.path.abspath('a/font.ttf')}"), True)):
+        with Server(f"a/{shown}", "--root", "a", *words, state=f"state{given}{shown}", verb="serve") as server:
             changed, failed, warned = run(drawn(server, os.path.abspath("a/font.ttf"), given))
             assert not failed, failed
             assert bool(warned) != given and (given or (not changed and "a font is read here only" in warned[0])), (changed, warned)
+    # with --safe a scene's font is not read by the program either, and what the command line names is
+    for words, warned in (((), False), (("--safe",), True), (("--safe", "--set", "views.main.decorations.font=a/font.ttf"), False)):
+        run_ = harness.volvis("render", "a/stranger.vv.json", "--size", "200x100", "-o", "o.png", "--overwrite", *words)
+        assert run_.code == 0 and ("a font is read here only" in run_.message) == warned, (words, run_.message)
 
 
 if __name__ == "__main__":

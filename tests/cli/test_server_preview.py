@@ -31,8 +31,8 @@ def decoded(data):
     return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
 
 
-def picture(preview):
-    kind, text = preview["picture"].split(",")
+def picture(preview, which="picture"):
+    kind, text = preview[which].split(",")
     assert kind == "data:image/png;base64", kind
     return decoded(base64.b64decode(text))
 
@@ -127,6 +127,22 @@ def test_a_preview_is_seen_in_three_dimensions_and_leaves_no_trace():
                 await page.told()
                 assert page.world["number"] == number and set(page.world["world"]["datasets"]) == data
         run(work())
+
+
+def test_a_step_between_others_is_compared_with_what_it_is_made_of():
+    async def work(page):
+        of_input = decoded((await page.resting()).data)
+        await told(page, "edit", edits=[
+            {"op": "add", "path": "datasets", "id": "body", "value": {"operation": "threshold", "inputs": {"volume": "a"}, "parameters": {"range": "500.."}}},
+            {"op": "set", "path": "volumes.a.data", "value": "body"}])
+        labels = decoded((await page.resting()).data)
+        preview = await page.ask("preview", operation="unsharp", dataset="a", parameters={"amount": 2}, volume="a")
+        assert (labels != of_input).any() and (picture(preview, "input") == of_input).all()
+        assert preview["before"] == float(noisy()[7, 10, 13]) and preview["after"] != preview["before"], preview
+        alone = await page.ask("preview", operation="erode", dataset="body", parameters={}, volume="a")
+        assert "input" not in alone and alone["before"] == 1, alone
+        await told(page, "undo")
+    on_slices(work)
 
 
 def test_the_newest_preview_counts():

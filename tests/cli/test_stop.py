@@ -120,6 +120,61 @@ def test_ctrl_c_keeps_the_whole_passes_of_a_picture():
     assert ok("compare", "a.png", "b.png", "--json").json["identical"]
 
 
+LONG = ("render", "head.nrrd", "-o", "a.png", "--size", "700", "--spp", "200")
+
+
+def stop_with_checkpoint(*words):
+    with started(*words, "--progress", "json") as process:
+        wait_until_it_works_on(process, "render")
+        process.send_signal(signal.SIGINT)
+        out, said = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 75, (process.returncode, out, said)
+        return out.decode()
+
+
+def test_a_stopped_picture_goes_on_with_the_same_bytes():
+    write_ball()
+    says(stop_with_checkpoint(*LONG, "--resume", "a.part"), "a.part: stopped with", "goes on from there")
+    assert not os.path.exists("a.png")
+    with open("a.part", "rb") as file:
+        kept = file.read()
+    says(volvis(*LONG, "--resume", "a.part", "--view", "left").message, "a.part", "another picture")
+    with open("a.part", "wb") as file:
+        file.write(kept[:len(kept) // 2])
+    says(volvis(*LONG, "--resume", "a.part").message, "a.part", "cut")
+    with open("a.part", "wb") as file:
+        file.write(kept)
+    assert ok(*LONG, "--resume", "a.part", "--threads", "1", "--json").json["resumed"]
+    assert not os.path.exists("a.part")
+    ok(*LONG[:3], "b.png", *LONG[4:])
+    with open("a.png", "rb") as one, open("b.png", "rb") as other:
+        assert one.read() == other.read()
+
+
+def test_a_picture_killed_while_its_checkpoint_is_written_leaves_the_last_one():
+    write_ball()
+    stop_with_checkpoint(*LONG, "--resume", "a.part")
+    for wait in (0, 0.002, 0.01, 0.03):
+        with started(*LONG, "--resume", "a.part", "--progress", "json") as process:
+            wait_until_it_works_on(process, "render")
+            process.send_signal(signal.SIGINT)  # it saves
+            time.sleep(wait)
+            process.kill()
+            process.wait(timeout=PATIENCE)
+        assert ok(*LONG[:2], "-o", "c.png", *LONG[4:], "--resume", "a.part", "--dry-run").code == 0
+        assert os.path.exists("a.part")
+    assert ok(*LONG, "--resume", "a.part", "--json").json["resumed"]
+
+
+def test_what_cannot_be_resumed_is_said_first():
+    write_ball()
+    for words, said in ((["--repeat", "2"], "--repeat"), (["-o", "a.svg"], "SVG")):
+        says(volvis("render", "head.nrrd", "-o", "a.png", "--resume", "a.part", *words).message, said)
+    says(volvis("render", "head.nrrd", "head.nrrd", "-o", "{stem}.png", "--resume", "a.part").message, "{stem}")
+    says(volvis("render", "head.nrrd", "-o", "a.png", "--resume", "head.nrrd").message, "head.nrrd", "no checkpoint")
+    ok("render", "head.nrrd", "-o", "{stem}.png", "--size", "50", "--resume", "{stem}.part")
+
+
 def test_ctrl_c_while_standard_input_is_awaited():
     for words in (["info", "-"], ["convert", "-", "-o", "a.nrrd"], ["render", "-", "-o", "a.png"]):
         for first in (b"", b"NRRD0004\n"):

@@ -24,6 +24,24 @@ def test_help_fits_the_terminal():
                 assert len(line) <= columns or len(words) == 1 or line.startswith("  ") or "usage:" in line, line
 
 
+def test_help_names_all_inputs_of_operations_that_take_several():
+    wide, reference = {"COLUMNS": "300"}, ok("reference").text
+    several = [o for o in ok("operations", "--json").json["operations"] if o["max_inputs"] > 1]
+    assert len(several) >= 8
+    for operation in several:
+        name, inputs = operation["name"], operation["inputs"]
+        text, man = ok("help", name, env=wide).text, ok("man", name).text
+        part, about = reference.split(f"### volvis {name}\n")[1].split("\n### ")[0], ok("operations", name, env=wide).text
+        usage = text.split("usage: ")[1].splitlines()[0]
+        for number, given in enumerate(inputs):
+            word = f"{given['name']}=FILE" if number else "INPUT"
+            says(usage, word if given["least"] else f"[{word}]")
+            for shown in text.split("Inputs\n")[1], about, part:
+                says(" ".join(shown.split()), word, given["doc"])
+            says(man.replace("\\-", "-"), word, given["doc"])
+    assert "Inputs" not in ok("help", "gaussian").text
+
+
 def test_help_of_switches_that_are_on_says_what_is_taken_away():
     for verb, option in (("rescale", "clamp"), ("isosurface", "normals"), ("info", "defaults")):
         said = " ".join(ok("help", verb, env={"COLUMNS": "300"}).text.split())

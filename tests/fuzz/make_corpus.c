@@ -336,6 +336,75 @@ static void write_texts(void)
 
 /* One message of each type (docs/protocol.md), each after the greeting, and all of them; then what a journal may hold.
  */
+/* What fuzz_checkpoint.c makes of the first byte. */
+typedef struct way {
+    const char *name;
+    char bits;
+    const char *samples, *noise, *adaptive, *method;
+    int steps;
+    bool coarse;
+} way;
+
+static void set_in(vv_world **world, const char *path, const char *json)
+{
+    vv_object *top = &(*world)->base;
+    if (json && vv_path_set(&top, path, json, NULL) != VV_OK)
+        stop(path);
+    *world = (vv_world *)(void *)top;
+}
+
+static void write_checkpoint(const way *w, vv_world *world)
+{
+    static char bytes[1 << 16];
+    vv_picture *picture;
+    vv_picture_until until;
+    const char *path = path_of("checkpoint", "seed.part");
+    if (vv_picture_new(&picture, world, NULL, w->coarse, NULL) != VV_OK)
+        stop(w->name);
+    vv_picture_until_init(&until, sizeof until);
+    until.seconds = 1e-9;
+    for (int i = 0; i < w->steps; i++)
+        if (vv_picture_step(picture, &until, NULL) != VV_OK)
+            stop(w->name);
+    if (vv_picture_save(picture, path, NULL) != VV_OK)
+        stop(w->name);
+    vv_picture_free(picture);
+    FILE *file = fopen(path, "rb");
+    const size_t n = file ? fread(bytes + 1, 1, sizeof bytes - 1, file) : 0;
+    if (!n || fclose(file) != 0 || remove(path) != 0)
+        stop(path);
+    bytes[0] = (char)(w->bits | 32);
+    put("checkpoint", w->name, bytes, n + 1);
+}
+
+static void write_checkpoints(void)
+{
+    static const way ways[] = {
+        {"new", 0, "1", NULL, NULL, NULL, 0, false},
+        {"whole", 0, "1", NULL, NULL, NULL, 9, false},
+        {"grid", 0, "1", NULL, NULL, NULL, 2, true},
+        {"squares", 4, "1", NULL, "true", NULL, 1, false},
+        {"rays", 3, "9", "0.01", NULL, NULL, 4, false},
+        {"judge", 1, "9", NULL, NULL, NULL, 4, false},
+        {"draw", 16, "1", NULL, NULL, "\"surface\"", 0, false},
+    };
+    vv_field *field = test_field_cube(&test_form_sphere, 4, 0, 14, NULL);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        vv_world *world;
+        if (!field || vv_world_for_field(&world, "a", field, NULL) != VV_OK)
+            stop("world");
+        set_in(&world, "views.main.width", "9");
+        set_in(&world, "views.main.height", "7");
+        set_in(&world, "views.main.render.samples", ways[i].samples);
+        set_in(&world, "views.main.render.noise", ways[i].noise);
+        set_in(&world, "views.main.render.adaptive", ways[i].adaptive);
+        set_in(&world, "views.main.render.method", ways[i].method);
+        write_checkpoint(&ways[i], world);
+        vv_object_release(&world->base);
+    }
+    vv_field_release(field);
+}
+
 static void write_sessions(void)
 {
     static const char *const messages[] = {
@@ -498,6 +567,7 @@ int main(int argc, char **argv)
     write_sources();
     write_images();
     write_sessions();
+    write_checkpoints();
     write_requests();
     write_dicoms();
     write_headers();

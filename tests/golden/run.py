@@ -39,7 +39,7 @@ def read_cases():
 @functools.lru_cache(None)
 def data_file(out, name):
     """Made once in every run: one that an earlier run left may be of other formulas."""
-    path = os.path.join(out, name + (".png" if name in volumes.IMAGES else ".nrrd"))
+    path = os.path.join(out, name + volumes.SUFFIXES[name])
     volumes.write(path, name)
     return path
 

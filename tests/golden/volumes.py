@@ -122,9 +122,33 @@ def globe():
 IMAGES = {f.__name__: f for f in (globe,)}
 
 
+def ring():
+    """A torus around the middle of figure_u8, leaning: (vertices, triangles)."""
+    n, m = 96, 32
+    u, v = (2 * np.pi * np.arange(k) / k for k in (n, m))
+    u, v = u[:, None], v[None, :]
+    radius = 26 + 4 * np.cos(v)
+    x, y, z = radius * np.cos(u), radius * np.sin(u), 4 * np.sin(v) + 0 * u
+    turn = np.radians(25)
+    places = np.stack([x, y * np.cos(turn) - z * np.sin(turn), y * np.sin(turn) + z * np.cos(turn)], axis=-1) + 31.5
+    i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+    a, b, c, d = (((i + di) % n) * m + (j + dj) % m for di, dj in ((0, 0), (1, 0), (0, 1), (1, 1)))
+    return places.reshape(-1, 3), np.stack([a, b, d, a, d, c], axis=-1).reshape(-1, 3)
+
+
+MESHES = {f.__name__: f for f in (ring,)}
+SUFFIXES = {**dict.fromkeys(VOLUMES, ".nrrd"), **dict.fromkeys(IMAGES, ".png"), **dict.fromkeys(MESHES, ".obj")}
+
+
 def write(path, name):
     if name in IMAGES:
         png.write(path, IMAGES[name]())
+        return
+    if name in MESHES:
+        places, triangles = MESHES[name]()
+        with open(path, "w", encoding="ascii") as file:
+            file.writelines("v %.6f %.6f %.6f\n" % tuple(place) for place in places)
+            file.writelines("f %d %d %d\n" % tuple(triangle + 1) for triangle in triangles)
         return
     samples, kind, header = VOLUMES[name]()
     sizes = " ".join(str(n) for n in samples.shape[::-1])

@@ -122,9 +122,9 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
 }
 
 /* The kernel in the place that `chosen` has in the best table. */
-static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel *chosen)
+static vvi_ray_kernel *same_kernel(const vvi_ray_kernels *in, vvi_ray_kernel *chosen)
 {
-    const vvi_raycast_kernels *best = vvi_raycast_kernels_for(vvi_job_cpu(NULL));
+    const vvi_ray_kernels *best = vvi_ray_kernels_for(vvi_job_cpu(NULL));
     for (int kind = 0; kind < VVI_RAY_KERNELS; kind++)
         for (int type = 0; type < VVI_SAMPLE_KERNELS; type++)
             if (best->of[kind][type] == chosen)
@@ -134,7 +134,7 @@ static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel
     return NULL; /* only the blend draws it */
 }
 
-vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels *kernels)
+vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_ray_kernels *kernels)
 {
     void *prepared = NULL;
     vv_image *image = NULL;
@@ -145,8 +145,7 @@ vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels
     vvi_raycast_state *state = prepared;
     for (size_t i = 0; i < state->n_volumes; i++)
         state->volume[i].kernel = same_kernel(kernels, state->volume[i].kernel);
-    if (state->kernel)
-        state->kernel = kernels->blend;
+    state->kernels = kernels;
     assert_int_equal(vvi_renderer_raycast.render(state, &centres, &all, image, &counts, NULL), VV_OK);
     vvi_raycast_finish(state);
     return image;

@@ -33,7 +33,7 @@ void test_ray_scene_light(test_ray_scene *s);
  * test on an error. */
 vv_image *test_ray_picture(const test_ray_scene *s, const char *cpu, int threads);
 /** The same by the kernels of one table, whatever the machine's choice would be. */
-vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels *kernels);
+vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_ray_kernels *kernels);
 /** All pixels by the reference: rgba and depth of each, yours to free(). */
 double *test_ray_reference(const test_ray_scene *s);
 /** Names of the kernel builds that this machine runs, ending with NULL. */

@@ -166,7 +166,8 @@ export async function serve(built, words = []) {
   }
 
   function stir(client, moving) {
-    if (client.final) send(client, { type: "outdated" });
+    if (client.final || client.failed) send(client, { type: "outdated" });
+    client.failed = false;
     client.moving = moving ? Date.now() + 120 : 0;
     client.level = moving ? 0 : client.level;
     client.final = false;
@@ -183,9 +184,22 @@ export async function serve(built, words = []) {
     client.rests = setTimeout(() => { tell(false); draw(client); }, 150);
   }
 
+  /** A threshold needs a range. */
+  function cannotBeMade() {
+    const flawed = Object.entries(world.value.datasets ?? {}).find(([, data]) => data.operation === "threshold" && !data.parameters?.range);
+    if (!flawed) return null;
+    const where = `datasets.${flawed[0]}.parameters`;
+    return { text: `${where}: expected a range, as in 100..200; none was given`, where };
+  }
+
   function draw(client) {
     if (client.busy || !client.dirty || !Object.keys(world.value.volumes ?? {}).length) return;
     const moving = Date.now() < client.moving;
+    const flaw = cannotBeMade();
+    if (flaw) {
+      Object.assign(client, { failed: true, dirty: false });
+      return void send(client, { type: "failed", ...flaw, frame: client.frame });
+    }
     if (client.frames === "none" || (moving && client.frames === "resting")) return;
     const share = moving ? 0.25 : [0.25, 0.5, 0.75][client.level];
     const cap = Math.min(1, PIXELS / client.width); // it is slow

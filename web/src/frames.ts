@@ -1,5 +1,7 @@
 /** Frames: the head of a binary message, and the canvas that shows the picture behind it. */
 
+import type { Failure } from "./failure";
+
 export interface Frame {
   type: "image/jpeg" | "image/png";
   final: boolean;
@@ -18,14 +20,19 @@ export interface Frame {
   picture: Uint8Array;
 }
 
-/** Which frames are final no more: the server takes it back while what it sent last may still be on its way to the screen. */
+/**
+ * Which frames are final no more: the server takes it back while what it sent last may still be on its way to the screen.
+ * And whether a newer one is not to be had.
+ */
 export class Finality {
   private received = 0;
   private outdated = 0;
+  failure: Failure | null = null;
 
   /** Another connection counts its frames anew. */
   begin(): void {
     this.received = this.outdated = 0;
+    this.failure = null;
   }
 
   take(frame: number): void {
@@ -34,6 +41,16 @@ export class Finality {
 
   outdate(): void {
     this.outdated = this.received;
+    this.failure = null; // it is tried again
+  }
+
+  fail({ text, where, frame }: Failure): void {
+    this.failure = { text, where, frame };
+  }
+
+  /** The frame is on the screen. */
+  show(frame: number): void {
+    if (this.failure && frame > this.failure.frame) this.failure = null;
   }
 
   isOutdated(frame: number): boolean {

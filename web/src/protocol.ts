@@ -1,5 +1,7 @@
 /** What page and server say to each other: docs/protocol.md as types. */
 
+import type { Failure } from "./failure";
+
 export type Json = null | boolean | number | string | Json[] | { [name: string]: Json };
 export type JsonObject = { [name: string]: Json };
 
@@ -183,6 +185,7 @@ export type ServerMessage =
   | { type: "resolved"; number: number; world: JsonObject }
   | { type: "clients"; n: number }
   | { type: "outdated" }
+  | ({ type: "failed" } & Failure)
   | ActionMessage
   | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string; reason?: string };
 

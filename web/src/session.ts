@@ -100,11 +100,21 @@ function onBinary(buffer: ArrayBuffer): void {
   const drawn = painter ? painter(frame) : Promise.resolve();
   // A picture that cannot be drawn is acknowledged too: else the server would wait for ever.
   void drawn.catch(() => {}).then(() => {
+    finality.show(rest.number);
     batch(() => {
       store.frame.value = rest;
+      store.failed.value = finality.failure;
       store.outdated.value = finality.isOutdated(rest.number);
     });
     link.send({ type: "ack", frame: frame.number });
+  });
+}
+
+/** What is on the screen is not the newest that there might be. */
+function takeFinality(): void {
+  batch(() => {
+    store.outdated.value = true;
+    store.failed.value = finality.failure;
   });
 }
 
@@ -115,11 +125,16 @@ function onMessage(message: ServerMessage): void {
         store.notify("info", "The interrupted session has been restored, with everything that was done in it. Undo takes it back step by step.");
       store.welcome.value = message;
       finality.begin();
-      store.outdated.value = true;
+      takeFinality();
       break;
     case "outdated":
       finality.outdate();
-      store.outdated.value = true;
+      takeFinality();
+      break;
+    case "failed":
+      finality.fail(message);
+      takeFinality();
+      store.announcement.value = message.text;
       break;
     case "world":
       takeWorld(message);

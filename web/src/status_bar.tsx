@@ -1,6 +1,9 @@
 /** The line at the bottom: what goes on, what to do next, and what it costs. */
 import { runAction } from "./actions";
+import { plan } from "./filter/state";
 import { Icon } from "./icons";
+import { draft, tool } from "./measure/room";
+import { hintOf } from "./measure/tools";
 import { cancelJob } from "./session";
 import * as store from "./store";
 import { IconButton } from "./ui/controls";
@@ -27,9 +30,11 @@ function Jobs() {
 /** One sentence on what to do next, by what is there. */
 function hint(): string {
   if (store.connection.value.state === "lost") return "What you see is the last picture; edits wait for the connection.";
+  if (tool.value && hintOf(tool.value, draft.value.length)) return `${tool.value.title}: ${hintOf(tool.value, draft.value.length)}`;
   if (store.isEmpty.value) return "Open a file, drop one here, or try a sample.";
   const [map] = store.selection.value.split(".");
   if (store.frame.value?.moving) return "Release to refine the picture.";
+  if (plan.value) return "Drag the line in the picture to compare before and after. Apply makes it, Escape closes the panel.";
   if (store.layout.value === "slices") return "Wheel or arrows step through slices; click or Shift moves the cross-hair, a right drag the window.";
   if (map === "volumes") return "Drag the picture to rotate it; drag the points of the curve to change what is seen.";
   if (map === "lights") return "A light in the camera's frame stays where the viewer is.";
@@ -65,7 +70,7 @@ export function StatusBar() {
   const people = store.people.value;
   return (
     <footer class="status">
-      {store.jobs.value.length ? <Jobs /> : store.pointed.value ? <Pointed /> : <span class="status-hint">{hint()}</span>}
+      {store.jobs.value.length ? <Jobs /> : store.pointed.value && !tool.value ? <Pointed /> : <span class="status-hint">{hint()}</span>}
       <span class="grow" />
       {people > 1 ? <span class="status-item" title="Number of viewers of this scene"><Icon name="people" />{people}</span> : null}
       {status ? (

@@ -1,6 +1,7 @@
 /** What the page knows, as signals. The World is the server's: nothing here changes it, edits.ts asks for that. */
 import { computed, signal } from "@preact/signals";
 import type { ConnectionState } from "./connection";
+import type { Failure } from "./failure";
 import type { Frame } from "./frames";
 import type { Histogram, JobMessage, Json, JsonObject, Notice, Operand, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
 import { isObject, valueAt, type Classes } from "./values";
@@ -21,6 +22,8 @@ export const status = signal<StatusMessage | null>(null);
 export const frame = signal<Omit<Frame, "picture"> | null>(null);
 /** A newer frame than the one on the screen is being made. */
 export const outdated = signal(false);
+/** Why none can be made. */
+export const failed = signal<Failure | null>(null);
 /** Changes that the server has not answered yet. */
 export const unanswered = signal(0);
 /** Hands did something that the server has not said to have taken in. */

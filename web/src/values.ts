@@ -32,10 +32,15 @@ export function join(path: string, name: string | number): string {
   return path === "" ? String(name) : `${path}.${name}`;
 }
 
-/** "range_lo" is "Range lo": the word that scenes and command lines have, so that one can be found by the other. */
+/** "range_lo" is "Range lo", "top-hat" "Top hat": the words that scenes and command lines have, so that one can be found by the other. */
 export function label(name: string): string {
-  const words = name.replace(/_/g, " ");
+  const words = name.replace(/[_-]/g, " ");
   return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Docs of tables are lines without capital and full stop. */
+export function sentence(doc: string): string {
+  return doc ? doc.charAt(0).toUpperCase() + doc.slice(1) + (doc.endsWith(".") ? "" : ".") : "";
 }
 
 /** Up to four significant digits, without trailing zeros; powers of ten for what is very large or small. */

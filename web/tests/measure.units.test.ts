@@ -4,24 +4,54 @@ import { test } from "node:test";
 import { angleOf, boxBetween, isInSlice, lengthOf, project, toIndex } from "../src/measure/geometry";
 import { csvOfAnswer, labelRows, plotOf, type Curve } from "../src/measure/plots";
 import { curvePath, rangeOf, readout } from "../src/measure/plot_geometry";
+import { extentOf, handlesOf, movedRegion, regionOf } from "../src/measure/regions";
 import { csvOfRows, rowOf, sorted, type Order, type Row } from "../src/measure/rows";
 import { hintOf, toolsOf } from "../src/measure/tools";
-import type { Measure, MeasureForm } from "../src/protocol";
+import type { JsonObject, Measure, MeasureForm } from "../src/protocol";
+import type { Vec3 } from "../src/slices/geometry";
 
 test("tools of the Measurement room come from the table of kinds", () => {
   const form = (uses: string[], more: object = {}) => ({ of: ["volume" as const], other: false, points: 0, uses, ...more });
   const row = (name: string, least_points: number, any_points: boolean, forms: MeasureForm[]): Measure => ({ name, doc: "", plot: false, least_points, any_points, forms });
   const tools = toolsOf([
-    row("statistics", 0, false, [form(["iso", "seed", "box", "label"])]), row("angle", 3, false, [form(["points"])]), row("distance", 2, true, [form(["points"])]),
+    row("statistics", 0, false, [form(["iso", "seed", "box", "label", "region"])]), row("angle", 3, false, [form(["points"])]), row("distance", 2, true, [form(["points"])]),
     row("labels", 0, false, [form(["box"])]), row("summary", 0, false, [form(["seed", "box", "label"])]), row("area", 0, false, [form(["box"], { other: true }), form(["box"], { of: ["mesh"] })]),
   ]);
   assert.deepEqual(tools.map(({ name, least, most }) => [name, least, most]), [
-    ["distance", 2, 2], ["polyline", 2, Infinity], ["angle", 3, 3], ["box", 2, 2], ["seed", 1, 1], ["label", 1, 1], ["nothing", 0, 0],
+    ["distance", 2, 2], ["polyline", 2, Infinity], ["angle", 3, 3], ["rectangle", 2, 2], ["ellipse", 2, 2], ["polygon", 3, Infinity], ["sphere", 2, 2], ["box", 2, 2], ["seed", 1, 1], ["label", 1, 1], ["nothing", 0, 0],
   ]);
   assert.deepEqual(tools.find((tool) => tool.takes === "box")!.kinds, ["statistics", "labels", "summary"]);
   assert.deepEqual(tools.find((tool) => tool.takes === "seed")!.kinds, ["summary", "statistics"]);
   assert.match(hintOf(tools[1]!, 2), /Enter or a double click ends/);
   assert.doesNotMatch(hintOf(tools[0]!, 1), /Enter/);
+  const polygon = tools.find((tool) => tool.takes === "polygon")!;
+  assert.match(hintOf(polygon, 0), /Click the first corner in a slice/);
+  assert.match(hintOf(polygon, 3), /Enter or a double click closes the outline/);
+});
+
+test("regions are what is drawn, in the plane that it is drawn in, and their handles keep the rest where it is", () => {
+  const s = Math.SQRT1_2;
+  const frame = { right: [s, s, 0] as Vec3, up: [0, 0, 1] as Vec3 }; // a coronal slice that is turned by 45 degrees
+  const at = (x: number, y: number): Vec3 => [3 + x * s, 4 + x * s, 5 + y];
+  const near = (a: unknown, b: number[]) => b.forEach((v, i) => assert.ok(Math.abs((a as number[])[i]! - v) < 1e-7, `${String(a)} is not ${String(b)}`));
+  const box = regionOf("rectangle", [at(6, 1), at(-2, 4)], frame) as JsonObject;
+  assert.equal(box["kind"], "box");
+  near(box["center"], at(2, 2.5));
+  near(box["size"], [8, 3, 0]);
+  near(box["normal"], [s, -s, 0]);
+  const moved = movedRegion(box, 2, at(9, 9));
+  near(handlesOf(moved)[0], at(-2, 1));
+  near(handlesOf(moved)[2], at(9, 9));
+  near(moved["size"], [11, 8, 0]);
+  assert.ok(Math.abs(extentOf("ellipse", [at(0, 0), at(8, 3)], frame).area! - 6 * Math.PI) < 1e-9);
+  const corners = [at(0, 0), at(4, 0), at(4, 4), at(2, 1), at(0, 4)];
+  assert.ok(Math.abs(extentOf("polygon", corners, frame).area! - 10) < 1e-9);
+  near(handlesOf(movedRegion(regionOf("polygon", corners, frame) as JsonObject, 3, at(2, 2)))[3], at(2, 2));
+  const ball = regionOf("sphere", [[1, 2, 3], [1, 5, 7]], null) as JsonObject;
+  assert.deepEqual(ball, { kind: "ellipsoid", center: [1, 2, 3], size: [10, 10, 10] });
+  assert.deepEqual(movedRegion({ ...ball, size: [10, 8, 6] }, 1, [1, 2, 8])["size"], [10, 8, 6]);
+  assert.deepEqual(movedRegion(ball, 0, [0, 0, 1])["center"], [0, 0, 1]);
+  assert.equal(typeof regionOf("rectangle", [at(1, 1), at(5, 1)], frame), "string");
 });
 
 test("lengths and angles of places are those of formulas", () => {
@@ -60,6 +90,11 @@ test("the table is sorted by numbers as numbers, and what has none comes last", 
   assert.deepEqual(ids({ by: "title", down: false }), ["a2", "a10", "b", "none"]);
 });
 
+test("a length along several points is listed as what it is", () => {
+  const kindOf = (points: number[][]) => row("a", 3, { points }).kind;
+  assert.deepEqual([kindOf([[0, 0, 0], [1, 1, 1]]), kindOf([[0, 0, 0], [1, 1, 1], [2, 0, 0]])], ["distance", "polyline"]);
+});
+
 test("what comes out now is compared with what the scene keeps, to rounding", () => {
   const with_ = (value: number) => rowOf("a", { figures: [{ name: "distance", value: 3 }] }, { figures: [{ name: "distance", value }], error: "", busy: false }, "", () => "").changed;
   assert.deepEqual([with_(3), with_(3 + 1e-10), with_(3.1)], [false, false, true]);
@@ -74,6 +109,7 @@ test("answers are plotted as what they are: curves with gaps, steps, counts in a
   const curve = plotOf({ profile: [[0, 1], [1, null], [2, 3]], profile_error: [0, null, 0.5], unit: "mm", value_unit: "HU" })!;
   assert.deepEqual([curve.what, curve.xLabel, curve.yLabel], ["curve", "Distance, mm", "Value, HU"]);
   assert.equal(csvOfAnswer({ profile: [[0, 1], [1, null]], profile_error: [0.5, null] }), "distance,value,error\r\n0,1,0.5\r\n1,,\r\n");
+  assert.equal(csvOfAnswer({ profile: [[0.5, -1.25]], profile_error: [null], unit: "mm", value_unit: "HU" }), "distance [mm],value [HU],error [HU]\r\n0.5,-1.25,\r\n");
   const answer = { histogram: { lo: 0, hi: 4, counts: [7, 0] } };
   const steps = plotOf(answer)!;
   assert.equal(csvOfAnswer(answer), "from,to,count\r\n0,2,7\r\n2,4,0\r\n");

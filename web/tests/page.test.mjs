@@ -286,6 +286,48 @@ describe("the page", TOGETHER, () => {
     ]]);
   }));
 
+  test("people stay where they looked at, with the new step open", () => withPage(["--made"], async (page) => {
+    await page.locator(".tree-name", { hasText: "ring" }).first().click();
+    await page.getByRole("button", { name: /^Gaussian/ }).click();
+    await page.getByRole("button", { name: "Insert after" }).click();
+    await page.getByRole("button", { name: /^Unsharp/ }).click();
+    await page.getByRole("button", { name: "Apply", exact: true }).click();
+    await page.locator(".step", { hasText: "Unsharp" }).getByRole("textbox", { name: "Sigma" }).waitFor();
+    assert.equal(await page.locator(".inspector-head h2").textContent(), "ring");
+  }));
+
+  test("what an operation cannot do without is there at once; what is typed is previewed without a key", () => withPage([], async (page) => {
+    await search(page, "threshold");
+    await page.getByText("compare before and after").waitFor();
+    const range = page.getByRole("textbox", { name: "Range", exact: true });
+    await until(async () => /^\d+(\.\d+)?\.\.$/.test(await range.inputValue()), "no range is proposed");
+    await range.fill("nonsense");
+    await page.locator(".preview-state .row-error", { hasText: "Sigma: expected a length" }).waitFor();
+    await range.fill("90..");
+    await page.locator(".preview-state .row-error").waitFor({ state: "detached" });
+    assert.equal(await page.evaluate("document.activeElement.value"), "90..");
+    await page.keyboard.press("Escape");
+    await search(page, "merge");
+    await page.getByRole("button", { name: "Add input c" }).click();
+    await page.getByRole("combobox", { name: "C", exact: true }).selectOption("");
+    assert.deepEqual(await page.locator(".filter-panel .row-label").allInnerTexts(), ["A", "B", "Names"]);
+  }));
+
+  test("a step that cannot be made says so where it is and over the picture, until it can", () => withPage(["--made"], async (page) => {
+    await page.locator(".tree-name", { hasText: "body" }).click();
+    const range = page.getByRole("textbox", { name: "Range", exact: true });
+    const edit = async (text) => { await range.fill(text); await range.press("Enter"); };
+    await edit("");
+    await page.locator(".overlay-failed", { hasText: "Threshold cannot be made: expected a range" }).waitFor();
+    await page.locator(".step-failed", { hasText: "Cannot be made: expected a range" }).waitFor();
+    await waitForPicture(page);
+    assert.equal(await page.locator(".dot-refining").count(), 0);
+    assert.equal(await page.locator(".picture-outdated").count(), 1);
+    await edit("80..");
+    await page.locator(".dot-final").waitFor();
+    assert.equal(await page.locator(".overlay-failed, .step-failed, .picture-outdated").count(), 0);
+  }));
+
   test("a file that is dropped is sent, then opened", () => withPage(["--empty"], async (page) => {
     const data = await page.evaluateHandle(() => {
       const transfer = new DataTransfer();

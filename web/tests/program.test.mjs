@@ -327,10 +327,65 @@ describe("the program behind the page", TOGETHER, () => {
       assert.equal(label.label, 7);
       const figure = (name) => label.figures.find((f) => f.name === name).value;
       assert.equal(figure("volume"), 30 ** 3);
-      const region = await measure(page, /^Region$/, [[-100, -60], [90, 50]]);
+      const region = await measure(page, /^Box$/, [[-100, -60], [90, 50]]);
       assert.match(region.box, /^\d+\.\.\d+,\d+\.\.\d+,(\d+)\.\.\1$/);
       const found = await ask(["measure", "statistics", "labels.nrrd", "--box", region.box]);
       assert.equal(region.figures.find((f) => f.name === "mean").value, found.mean);
+
+      // regions that are drawn: the program says the same of the line that the page gives
+      const lineOf = async (name) => {
+        await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { window.copied = text; }; });
+        await page.getByRole("button", { name: `Copy the command line of ${name}`, exact: true }).click();
+        await until(() => page.evaluate(() => window.copied !== undefined), "no line is copied");
+        return page.evaluate(() => { const text = window.copied; delete window.copied; return text; });
+      };
+      const agrees = async (drawn, name) => {
+        const words = (await lineOf(name)).match(/(?:[^\s']|'[^']*')+/g).map((word) => word.replaceAll("'", ""));
+        const said = await ask(words.slice(1));
+        for (const { name: figure, value } of drawn.figures.filter((f) => ["mean", "region_voxels", "region_volume_exact"].includes(f.name))) isNear(said[figure], value, 1e-9 * value, figure);
+        return Object.fromEntries(drawn.figures.map((f) => [f.name, f.value]));
+      };
+      const ellipse = await measure(page, /^Ellipse$/, [[-60, -40], [60, 40]]);
+      assert.equal(ellipse.region.kind, "ellipse");
+      const of = await agrees(ellipse, "ellipse");
+      isNear(of.region_volume_exact, (Math.PI / 4) * ellipse.region.size[0] * ellipse.region.size[1], 1e-6, "the exact volume of one slice");
+      isNear(of.region_voxels, of.region_volume_exact, 0.1 * of.region_volume_exact, "counted");
+      const sphere = await measure(page, /^Sphere$/, [[0, 0], [40, 0]]);
+      await agrees(sphere, "sphere");
+
+      // a polygon ends with Enter, Escape leaves it; in one go it is drawn by a drag
+      const corner = (x, y) => [[box.x + box.width / 2 + x, box.y + box.height / 2 + y]][0];
+      const box = await slice(page).boundingBox();
+      await page.locator(".measure-tool", { hasText: /^Polygon$/ }).click();
+      await page.mouse.click(...corner(0, 0));
+      await until(async () => (await slice(page).locator("g[aria-hidden] .measure-dot").count()) === 1, "no corner is drawn");
+      await page.keyboard.press("Escape");
+      for (const [x, y] of [[-50, -40], [50, -40], [0, 50]]) await page.mouse.click(...corner(x, y));
+      await until(async () => (await slice(page).locator("g[aria-hidden] .measure-dot").count()) === 3, "not all corners are drawn");
+      await page.keyboard.press("Enter");
+      await rowsOf(page).nth(4).waitFor();
+      const added = () => page.sent.findLast((m) => m.type === "edit" && m.edits[0].path === "measurements").edits[0].value;
+      const polygon = added();
+      assert.equal(polygon.region.outline.length, 3);
+      await agrees(polygon, "polygon");
+      await page.mouse.move(...corner(-40, 0));
+      await page.mouse.down();
+      for (let i = 1; i < 24; i++) await page.mouse.move(...corner(-40 * Math.cos(i / 4), 40 * Math.sin(i / 4)));
+      await page.mouse.up();
+      await rowsOf(page).nth(5).waitFor();
+      assert.ok(added().region.outline.length > 12, "a drag draws an outline");
+      await page.keyboard.press("Escape");
+
+      // a corner of the ellipse's rectangle is moved: the one across stays
+      await page.locator(".measure-name", { hasText: /^ellipse$/ }).click();
+      const handle = slice(page).getByRole("button", { name: "Point 3 of 4 of ellipse" });
+      await handle.focus();
+      const sent = page.sent.length;
+      await page.keyboard.press("Shift+ArrowRight");
+      await until(() => page.sent.slice(sent).some((m) => m.edits?.some((e) => e.path === "measurements.ellipse.figures")), "no new figures are kept");
+      const kept = page.sent.findLast((m) => m.edits?.some((e) => e.path.endsWith(".figures"))).edits[0].value;
+      assert.ok(kept.size[0] !== ellipse.region.size[0] && kept.size[1] === ellipse.region.size[1], JSON.stringify(kept));
+      assert.deepEqual(await violations(page), []);
     }));
   });
 

@@ -5,6 +5,10 @@ import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
 import { applyChanges, KnownWorld } from "../src/changes";
 import { backOff, Connection } from "../src/connection";
+import { datasetOf as failedDataset, reasonOf } from "../src/failure";
+import { otsu, startOf } from "../src/filter/start";
+import { inPanel } from "../src/filter/words";
+import type { Operation, Property } from "../src/protocol";
 import { Finality, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
@@ -56,6 +60,36 @@ test("frames that came before the server took its word back are final no more, o
   assert.deepEqual([1, 2, 3].map((frame) => finality.isOutdated(frame)), [true, true, false]);
   finality.begin();
   assert.equal(finality.isOutdated(1), false);
+});
+
+test("the value that parts a histogram is between its two humps", () => {
+  const counts = Array.from({ length: 100 }, (_, i) => Math.exp(-(((i - 20) / 5) ** 2)) + 0.5 * Math.exp(-(((i - 70) / 5) ** 2)));
+  const histogram = { lo: -100, hi: 100, counts, unit: null, mean: 0, deviation: 1, n: 1, percentiles: { 1: -80.25, 99: 60 } };
+  const at = otsu(histogram);
+  assert.ok(at > -50 && at < 30, String(at));
+  const known = { histogram, crossHair: null, orientation: "RAS" };
+  assert.deepEqual(startOf("clamp", known), { range: "-80.25..60" });
+  assert.deepEqual([startOf("clamp", { ...known, histogram: null }), startOf("grow", known), startOf("gaussian", known), startOf("reorient", known)], [{}, {}, {}, {}]);
+});
+
+test("sentences of operations are about the fields of the panel", () => {
+  const operation = { name: "threshold" } as Operation;
+  const rows = [{ name: "method" }, { name: "min_size" }] as Property[];
+  assert.equal(inPanel("threshold: range is needed; or --method otsu, --min-size, --other", operation, rows), "Range is needed; or Method otsu, Min size, --other.");
+  assert.equal(inPanel('parameters.min_size: expected a length, found "x"', operation, rows), 'Min size: expected a length, found "x".');
+  assert.equal(inPanel("on the grid of another volume (onto=FILE)", operation, []), "On the grid of another volume.");
+});
+
+test("why there is no picture is said until it is tried again or a newer frame is there", () => {
+  const finality = new Finality();
+  const failure = { text: "datasets.body.parameters: expected a range", where: "datasets.body.parameters", frame: 7 };
+  const kept = (frame: number) => { finality.fail(failure); finality.show(frame); return finality.failure !== null; };
+  assert.deepEqual([6, 7, 8].map(kept), [true, true, false]);
+  finality.fail(failure);
+  finality.outdate();
+  assert.equal(finality.failure, null);
+  assert.deepEqual([failedDataset(failure), failedDataset({ ...failure, where: null }), failedDataset({ ...failure, where: "volumes.ring" })], ["body", null, null]);
+  assert.deepEqual([reasonOf(failure), reasonOf({ ...failure, where: null })], ["expected a range", failure.text]);
 });
 
 test("places are from the middle in half of the smaller side, y up", () => {
@@ -256,6 +290,7 @@ test("paths lead to values and classes, prototypes are no values", () => {
   assert.equal(classAt(classes, "volumes.a.place"), "frame");
   assert.equal(classAt(classes, "nothing"), null);
   assert.equal(label("range_lo"), "Range lo");
+  assert.equal(label("fill-holes"), "Fill holes");
   assert.equal(freeName(["light", "light2"], "light"), "light3");
 });
 

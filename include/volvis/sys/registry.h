@@ -18,7 +18,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 5
+#define VV_OPERATION_API 6
 #define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
@@ -134,6 +134,20 @@ typedef struct vv_operand {
 #define VV_ONE_VOLUME ((const vv_operand[]){{"volume", VV_IS_FIELD, 1, 1, "the volume that it works on"}, {0}})
 #define VV_ONE_MESH ((const vv_operand[]){{"mesh", VV_IS_MESH, 1, 1, "the mesh that it works on"}, {0}})
 
+/** How an operation whose samples depend on all others streams: first passes over its inputs, from the first slice to
+ * the last, then slices of the result from what they found. The same bytes as run. */
+typedef struct vv_passes {
+    /** All passes. What they find is *state_out, for drop(); NULL after a failure. */
+    vv_status (*find)(void **state_out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                      vv_job *job);
+    /** Whole slices of the result: box has all samples along x and y. */
+    vv_status (*make)(vv_field **out, void *state, const vv_field *const *inputs, size_t n_inputs,
+                      const vv_object *params, const vv_box *box, vv_job *job);
+    void (*drop)(void *state); /**< NULL is fine */
+    /** Bytes of a temporary file between the passes; NULL: none. */
+    uint64_t (*scratch)(const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
+} vv_passes;
+
 /** One thing that is done to data. Inputs come in the order of the row's operands, those of the last one one after the
  * other; one that is left out leaves a gap (NULL, or vv_data without data), unless no other follows it. */
 struct vv_operation {
@@ -178,9 +192,11 @@ struct vv_operation {
      * one of them at a time. vv_run_new() runs it. */
     bool joins;
     const char *group; /**< where menus list it: "smoothing", "edges", ...; NULL: under its component */
-    /** About how many bytes it holds beside its inputs and its result, for --dry-run: of those that take all samples at
-     * once. Where that hangs on the samples, of parts as they are in pictures of bodies and cells. NULL: tiles. */
+    /** About how many bytes it holds beside its inputs and its result where it takes all samples at once; a row with
+     * run_box that says more than 0 does so with these parameters, and does not stream. Where that hangs on the
+     * samples, of parts as they are in pictures of bodies and cells. NULL: tiles. */
     uint64_t (*memory)(const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
+    const vv_passes *passes; /**< how it streams where there is no run_box; NULL: it does not */
 };
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */

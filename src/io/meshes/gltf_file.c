@@ -241,7 +241,7 @@ static vv_status load_buffer(vvi_gltf *g, size_t i)
     if (!vvi_json_whole(&n, json_object_get(buffer, "byteLength")) || n < 0)
         return vvi_gltf_fail(g, "buffer %zu has no 'byteLength'", i);
     vv_status st = check_size(g, uri, (uint64_t)n);
-    if (st != VV_OK)
+    if (st != VV_OK || (st = vvi_source_grow(g->source, (uint64_t)n)) != VV_OK)
         return st;
     uint8_t *bytes = vvi_alloc(g->job, (size_t)n + 1, VVI_MEM_SCRATCH);
     if (!bytes)
@@ -395,6 +395,8 @@ static vv_status read_numbers(vvi_gltf_numbers *out, vvi_gltf *g, const json_t *
     else
         st = vvi_memory_plan(g->job, (uint64_t)out->n * (uint64_t)out->components * sizeof(double), "an accessor");
     if (st != VV_OK || (st = vvi_mul3_size(&bytes, out->n + 1, (size_t)out->components, sizeof(double))) != VV_OK)
+        return st;
+    if ((st = vvi_source_grow(g->source, bytes)) != VV_OK)
         return st;
     if (!(out->v = vvi_alloc_zeroed(g->job, bytes, VVI_MEM_SCRATCH)))
         return vv_fail_memory(bytes);

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-void vvi_mesh_builder_begin(vvi_mesh_builder *out, const vv_source *source, const vv_mesh_read_options *options,
-                            bool precise, vv_job *job)
+void vvi_mesh_builder_begin(vvi_mesh_builder *out, vv_source *source, const vv_mesh_read_options *options, bool precise,
+                            vv_job *job)
 {
-    *out = (vvi_mesh_builder){.job = job, .file = vvi_source_name(source), .precise = precise};
+    *out = (vvi_mesh_builder){.job = job, .source = source, .file = vvi_source_name(source), .precise = precise};
     vvi_unit_name(out->info.unit, options->unit, strlen(options->unit));
 }
 
@@ -30,13 +30,17 @@ void vvi_mesh_builder_free(vvi_mesh_builder *b)
 
 /* Room ------------------------------------------------------------------------------------------------------------ */
 
-static vv_status resize(void *array, size_t n, size_t each, vv_job *job)
+/* An array of n_had, if it is there, becomes one of n. */
+static vv_status resize(vvi_mesh_builder *b, void *array, size_t n_had, size_t n, size_t each)
 {
     size_t bytes;
-    const vv_status st = vvi_mul_size(&bytes, n, each);
+    const size_t had = *(void **)array ? n_had : 0;
+    vv_status st = vvi_mul_size(&bytes, n, each);
+    if (st == VV_OK && n > had)
+        st = vvi_source_grow(b->source, (uint64_t)(n - had) * each);
     if (st != VV_OK)
         return st;
-    void *grown = vvi_realloc(job, *(void **)array, bytes ? bytes : 1, VVI_MEM_DERIVED);
+    void *grown = vvi_realloc(b->job, *(void **)array, bytes ? bytes : 1, VVI_MEM_DERIVED);
     if (!grown)
         return vv_fail_memory(bytes);
     *(void **)array = grown;
@@ -45,14 +49,15 @@ static vv_status resize(void *array, size_t n, size_t each, vv_job *job)
 
 static vv_status room_for_vertices(vvi_mesh_builder *b, size_t n)
 {
-    vv_status st = b->precise ? resize(&b->places, n, 3 * sizeof(double), b->job)
-                              : resize(&b->arrays.positions, n, 3 * sizeof(float), b->job);
+    const size_t had = b->room_vertices;
+    vv_status st = b->precise ? resize(b, &b->places, had, n, 3 * sizeof(double))
+                              : resize(b, &b->arrays.positions, had, n, 3 * sizeof(float));
     if (st == VV_OK && b->with & VVI_MESH_NORMALS)
-        st = resize(&b->arrays.normals, n, 3 * sizeof(float), b->job);
+        st = resize(b, &b->arrays.normals, had, n, 3 * sizeof(float));
     if (st == VV_OK && b->with & VVI_MESH_VALUES)
-        st = resize(&b->arrays.values, n, sizeof(float), b->job);
+        st = resize(b, &b->arrays.values, had, n, sizeof(float));
     if (st == VV_OK && b->with & VVI_MESH_COLORS)
-        st = resize(&b->arrays.colors, n, 4, b->job);
+        st = resize(b, &b->arrays.colors, had, n, 4);
     if (st == VV_OK)
         b->room_vertices = n;
     return st;
@@ -60,9 +65,9 @@ static vv_status room_for_vertices(vvi_mesh_builder *b, size_t n)
 
 static vv_status room_for_triangles(vvi_mesh_builder *b, size_t n)
 {
-    vv_status st = resize(&b->arrays.triangles, n, 3 * sizeof(uint32_t), b->job);
+    vv_status st = resize(b, &b->arrays.triangles, b->room_triangles, n, 3 * sizeof(uint32_t));
     if (st == VV_OK && b->part_of)
-        st = resize(&b->part_of, n, sizeof(uint32_t), b->job);
+        st = resize(b, &b->part_of, b->room_triangles, n, sizeof(uint32_t));
     if (st == VV_OK)
         b->room_triangles = n;
     return st;
@@ -150,7 +155,7 @@ static vv_status note_fan(vvi_mesh_builder *b, size_t n)
 {
     if (b->n_fans == b->room_fans) {
         const size_t room = b->room_fans * 3 / 2 + 256;
-        const vv_status st = resize(&b->fans, room, sizeof *b->fans, b->job);
+        const vv_status st = resize(b, &b->fans, b->room_fans, room, sizeof *b->fans);
         if (st != VV_OK)
             return st;
         b->room_fans = room;
@@ -206,7 +211,7 @@ static vv_mesh_part make_part(const char *name, size_t n_name, const vv_color *c
 /* Triangles that came before the second part belong to the first. */
 static vv_status begin_part_of(vvi_mesh_builder *b)
 {
-    const vv_status st = resize(&b->part_of, b->room_triangles, sizeof(uint32_t), b->job);
+    const vv_status st = resize(b, &b->part_of, 0, b->room_triangles, sizeof(uint32_t));
     if (st == VV_OK && b->info.n_triangles)
         memset(b->part_of, 0, b->info.n_triangles * sizeof *b->part_of);
     return st;
@@ -220,7 +225,7 @@ static vv_status add_part(vvi_mesh_builder *b, const vv_mesh_part *part)
         return VV_OK;
     if (n == b->room_parts) {
         const size_t room = 2 * n + 8;
-        if ((st = resize(&b->arrays.parts, room, sizeof *part, b->job)) != VV_OK)
+        if ((st = resize(b, &b->arrays.parts, n, room, sizeof *part)) != VV_OK)
             return st;
         b->room_parts = room;
     }
@@ -315,7 +320,7 @@ static vv_status settle_places(vvi_mesh_builder *b)
         return VV_OK;
     }
     vv_status st = measure_places(&box, b);
-    if (st != VV_OK || (st = resize(&b->arrays.positions, b->info.n_vertices, 3 * sizeof(float), b->job)) != VV_OK)
+    if (st != VV_OK || (st = resize(b, &b->arrays.positions, 0, b->info.n_vertices, 3 * sizeof(float))) != VV_OK)
         return st;
     vv_vec3 o = {0, 0, 0};
     if (vvi_mesh_is_far(&box))
@@ -352,8 +357,8 @@ static vv_status sort_by_part(vvi_mesh_builder *b, const uint64_t *end)
 {
     uint64_t *at = NULL;
     uint32_t *sorted = NULL;
-    vv_status st = resize(&at, b->info.n_parts, sizeof *at, b->job);
-    if (st == VV_OK && (st = resize(&sorted, b->info.n_triangles, 3 * sizeof *sorted, b->job)) == VV_OK) {
+    vv_status st = resize(b, &at, 0, b->info.n_parts, sizeof *at);
+    if (st == VV_OK && (st = resize(b, &sorted, 0, b->info.n_triangles, 3 * sizeof *sorted)) == VV_OK) {
         for (size_t p = 0; p < b->info.n_parts; p++)
             at[p] = p ? end[p - 1] : 0;
         for (size_t t = 0; t < b->info.n_triangles; t++)

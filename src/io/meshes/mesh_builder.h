@@ -15,6 +15,7 @@ typedef struct vvi_mesh_fan {
 
 typedef struct vvi_mesh_builder {
     vv_job *job;
+    vv_source *source;      /**< is told what is taken of memory */
     const char *file;       /**< stands in errors */
     vv_mesh_info info;      /**< counts, and what the reader sets: space, unit, names, and the origin */
     vvi_mesh_arrays arrays; /**< to be filled between the calls that make room */
@@ -30,8 +31,8 @@ typedef struct vvi_mesh_builder {
 } vvi_mesh_builder;
 
 /** precise: places come in more than single precision. unit: where the file says none. */
-void vvi_mesh_builder_begin(vvi_mesh_builder *out, const vv_source *source, const vv_mesh_read_options *options,
-                            bool precise, vv_job *job);
+void vvi_mesh_builder_begin(vvi_mesh_builder *out, vv_source *source, const vv_mesh_read_options *options, bool precise,
+                            vv_job *job);
 /** Room for exactly so many more, for who knows; else it doubles by itself. */
 vv_status vvi_mesh_builder_reserve(vvi_mesh_builder *b, uint64_t n_vertices, uint64_t n_triangles);
 /** From now on vertices have these: those that are there get none (0), no value (NaN), white. */

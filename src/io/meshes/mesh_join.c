@@ -37,6 +37,9 @@ static bool is_at(const vvi_mesh_builder *b, uint32_t vertex, const place *p)
 
 static vv_status make_table(vvi_mesh_join *j, size_t slots)
 {
+    const vv_status st = vvi_source_grow(j->b->source, slots * sizeof(uint32_t));
+    if (st != VV_OK)
+        return st;
     uint32_t *slot = vvi_alloc_zeroed(j->b->job, slots * sizeof *slot, VVI_MEM_SCRATCH);
     if (!slot)
         return vv_fail_memory(slots * sizeof *slot);

@@ -28,12 +28,15 @@ typedef struct reader {
 } reader;
 
 /* Rooms that double. */
-static vv_status grow(void *array, size_t *room, size_t need, size_t each, vv_job *job)
+static vv_status grow(void *array, size_t *room, size_t need, size_t each, const reader *r)
 {
     if (need <= *room)
         return VV_OK;
     const size_t more = need + need / 2 + 256;
-    void *grown = vvi_realloc(job, *(void **)array, more * each, VVI_MEM_SCRATCH);
+    const vv_status st = vvi_source_grow(r->b.source, (uint64_t)(more - *room) * each);
+    if (st != VV_OK)
+        return st;
+    void *grown = vvi_realloc(r->job, *(void **)array, more * each, VVI_MEM_SCRATCH);
     if (!grown)
         return vv_fail_memory(more * each);
     *(void **)array = grown;
@@ -69,7 +72,7 @@ static vv_status read_vertex(reader *r)
     memcpy(r->b.places + 3 * i, v, 3 * sizeof *v);
     for (size_t c = 0; c < 3 && n >= 6; c++)
         r->b.arrays.colors[4 * i + c] = vvi_mesh_byte(v[3 + c]);
-    if ((st = grow(&r->normal_of, &r->room_normal_of, i + 1, sizeof *r->normal_of, r->job)) == VV_OK)
+    if ((st = grow(&r->normal_of, &r->room_normal_of, i + 1, sizeof *r->normal_of, r)) == VV_OK)
         r->normal_of[i] = 0;
     return st;
 }
@@ -79,7 +82,7 @@ static vv_status read_normal(reader *r)
     double v[3];
     if (numbers_here(v, 3, &r->words) != 3)
         return vvi_words_fail(&r->words, "a normal has fewer than 3 numbers");
-    const vv_status st = grow(&r->normal, &r->room_normals, 3 * (r->n_normals + 1), sizeof *r->normal, r->job);
+    const vv_status st = grow(&r->normal, &r->room_normals, 3 * (r->n_normals + 1), sizeof *r->normal, r);
     if (st != VV_OK)
         return st;
     for (size_t a = 0; a < 3; a++)
@@ -167,7 +170,7 @@ static vv_status read_face(reader *r)
     size_t n, n_corners = 0;
     vv_status st = r->stale ? use_part(r) : VV_OK;
     while (st == VV_OK && (st = next_corner(r, &word, &n)) == VV_OK && n > 0) {
-        if ((st = grow(&r->corner, &r->room_corner, n_corners + 1, sizeof *r->corner, r->job)) == VV_OK)
+        if ((st = grow(&r->corner, &r->room_corner, n_corners + 1, sizeof *r->corner, r)) == VV_OK)
             st = read_corner(r, &r->corner[n_corners++], word, n);
     }
     if (st == VV_OK && n_corners < 3)

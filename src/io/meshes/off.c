@@ -169,6 +169,8 @@ static vv_status read_vertices(reader *r)
     if (st == VV_OK)
         st = vvi_mesh_builder_reserve(&r->b, n, r->n_faces);
     if (st == VV_OK && (st = vvi_mesh_builder_vertices(&r->b, n)) == VV_OK && r->has.color) {
+        if ((st = vvi_source_grow(r->source, n * 4 * sizeof *r->color)) != VV_OK)
+            return st;
         r->color = vvi_alloc_zeroed(r->job, (n + 1) * 4 * sizeof *r->color, VVI_MEM_SCRATCH);
         st = r->color ? VV_OK : vv_fail_memory((n + 1) * 4 * sizeof *r->color);
     }
@@ -187,6 +189,9 @@ static vv_status room_for_corners(reader *r, size_t n)
 {
     if (n <= r->room_corner)
         return VV_OK;
+    const vv_status st = vvi_source_grow(r->source, 2 * n * sizeof *r->corner);
+    if (st != VV_OK)
+        return st;
     uint32_t *grown = vvi_realloc(r->job, r->corner, 2 * n * sizeof *grown, VVI_MEM_SCRATCH);
     if (!grown)
         return vv_fail_memory(2 * n * sizeof *grown);

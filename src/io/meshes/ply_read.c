@@ -301,6 +301,9 @@ static vv_status room_for_corners(reader *r, uint64_t n)
                           "a list of '%.40s' has %" PRIu64 " items, but at most %" PRIu64
                           " bytes follow; the file is cut short or damaged",
                           r->element->name, n, left);
+    const vv_status st = vvi_source_grow(r->source, 2 * n * sizeof *r->corner);
+    if (st != VV_OK)
+        return st;
     uint32_t *grown = vvi_realloc(r->job, r->corner, (size_t)(2 * n) * sizeof *grown, VVI_MEM_SCRATCH);
     if (!grown)
         return vv_fail_memory((size_t)(2 * n) * sizeof *grown);

@@ -38,7 +38,8 @@ static const vvi_vtk_array *find(const reader *r, size_t piece, vvi_vtk_section 
 static vv_status numbers(double **out, reader *r, const vvi_vtk_array *a, uint64_t n)
 {
     *out = NULL;
-    return n ? vvi_vtk_numbers(out, &r->file, a, n, r->source, r->job) : VV_OK;
+    const vv_status st = vvi_source_grow(r->source, n > UINT64_MAX / 16 ? UINT64_MAX : 16 * n); /* as stored, and so */
+    return st == VV_OK && n ? vvi_vtk_numbers(out, &r->file, a, n, r->source, r->job) : st;
 }
 
 /* Points ---------------------------------------------------------------------------------------------------------- */
@@ -172,9 +173,10 @@ static vv_status use_cell(cells *c, reader *r)
 static vv_status put_cell(reader *r, const double *index, size_t n, bool strip)
 {
     if (n > r->room_corner) {
-        uint32_t *grown = vvi_realloc(r->job, r->corner, 2 * n * sizeof *grown, VVI_MEM_SCRATCH);
+        const vv_status st = vvi_source_grow(r->source, 2 * n * sizeof *r->corner);
+        uint32_t *grown = st == VV_OK ? vvi_realloc(r->job, r->corner, 2 * n * sizeof *grown, VVI_MEM_SCRATCH) : NULL;
         if (!grown)
-            return vv_fail_memory(2 * n * sizeof *grown);
+            return st != VV_OK ? st : vv_fail_memory(2 * n * sizeof *grown);
         r->corner = grown;
         r->room_corner = 2 * n;
     }

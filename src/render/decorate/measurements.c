@@ -1,14 +1,16 @@
-/* The World's measurements where they are: points with lines between them, the box of a region, the seed of a piece,
+/* The World's measurements where they are: points with lines between them, regions and boxes, the seed of a piece,
  * and what came out. In a slice what lies in it; elsewhere over everything, since a line from surface to surface is
  * inside. */
 #include "core/text.h"
 #include "core/vec.h"
 #include "measuring/measuring.h"
+#include "render/decorate/region_lines.h"
 #include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/resolve.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define WIDE 1.5  /* of lines, in those of other decorations */
@@ -37,7 +39,8 @@ static bool is_here(const vv_scene *scene, const vv_measurement *m)
 
 static bool has_place(const vv_scene *scene, const vv_measurement *m)
 {
-    const bool placed = (m->points && m->points->n >= 3) || m->box || vv_object_is_set(&m->base, "seed");
+    const bool placed = (m->points && m->points->n >= 3) || m->box || vvi_measurement_has_region(m) ||
+                        vv_object_is_set(&m->base, "seed");
     return m->visible && placed && is_here(scene, m);
 }
 
@@ -151,10 +154,48 @@ static bool find_box(vv_vec3 out[CORNERS], const vvi_sheet *s, const vv_measurem
     return true;
 }
 
-/* Where its letters are: the middle one of its points, or the middle of its middle line; a seed; a box's upper corner.
- */
-static bool find_anchor(vv_vec3 *out, const vvi_sheet *s, const vv_measurement *m)
+/* What a slice cuts out of a region, elsewhere its edges; of no volume, or one that makes no sense, nothing. */
+static vv_status put_region(const vvi_sheet *s, const slice *in, const vv_measurement *m, vvi_region_line *line,
+                            void *user)
 {
+    const vv_actor *actor = vvi_measurement_has_region(m) ? actor_of(s, m) : NULL;
+    vv_region_shape shape;
+    double *outline = NULL;
+    vv_status st = VV_OK;
+    if (actor && vvi_measurement_shape(&shape, &outline, m, &actor->index_to_world) == VV_OK)
+        st = in->there ? vvi_region_cut(&shape, &in->plane, line, user) : vvi_region_edges(&shape, line, user);
+    free(outline);
+    return st;
+}
+
+/* The uppermost of some places. */
+typedef struct top {
+    const vvi_sheet *sheet;
+    vv_vec3 at;
+    double y; /* INFINITY: none */
+} top;
+
+static void take_top(top *t, vv_vec3 p)
+{
+    double x, y, depth;
+    if (vvi_sheet_project(&x, &y, &depth, t->sheet, p) && y < t->y) {
+        t->y = y;
+        t->at = p;
+    }
+}
+
+static vv_status take_line(void *user, vv_vec3 p, vv_vec3 q)
+{
+    take_top(user, p);
+    take_top(user, q);
+    return VV_OK;
+}
+
+/* Where its letters are: the middle one of its points, or the middle of its middle line; a seed; the top of a
+ * region or a box. */
+static bool find_anchor(vv_vec3 *out, const vvi_sheet *s, const slice *in, const vv_measurement *m)
+{
+    top t = {s, {0, 0, 0}, INFINITY};
     vv_vec3 corner[CORNERS];
     vv_affine space;
     const size_t n = n_points(m);
@@ -167,15 +208,11 @@ static bool find_anchor(vv_vec3 *out, const vvi_sheet *s, const vv_measurement *
         *out = vv_affine_point(space, m->seed);
         return true;
     }
-    double x, y, depth, top = INFINITY;
-    if (!find_box(corner, s, m))
-        return false;
-    for (int k = 0; k < CORNERS; k++)
-        if (vvi_sheet_project(&x, &y, &depth, s, corner[k]) && y < top) {
-            top = y;
-            *out = corner[k];
-        }
-    return isfinite(top);
+    put_region(s, in, m, take_line, &t);
+    for (int k = 0; !isfinite(t.y) && k < CORNERS && find_box(corner, s, m); k++)
+        take_top(&t, corner[k]);
+    *out = t.at;
+    return isfinite(t.y);
 }
 
 /* Letters ------------------------------------------------------------------------------------------------------- */
@@ -251,7 +288,8 @@ void vvi_sheet_measurements_place(vvi_sheet_measurements *out, vvi_sheet *s)
             continue;
         out->shown[out->n++].of = m;
         print(label->text, m);
-        if (!*label->text || !find_anchor(&at, s, m) || (!is_in(&in, at) && !m->box) ||
+        if (!*label->text || !find_anchor(&at, s, &in, m) ||
+            (!is_in(&in, at) && !m->box && !vvi_measurement_has_region(m)) ||
             !vvi_sheet_project(&x, &y, &depth, s, at) || x < 0 || y < 0 || x > s->width || y > s->height)
             continue;
         place_label(label, s, x, y);
@@ -344,15 +382,30 @@ static vv_status draw_box(const vvi_sheet *s, const slice *in, const vv_measurem
     return st;
 }
 
+typedef struct drawing {
+    const vvi_sheet *sheet;
+    const slice *in;
+} drawing;
+
+static vv_status draw_edge(void *user, vv_vec3 p, vv_vec3 q)
+{
+    const drawing *d = user;
+    return draw_line(d->sheet, d->in, p, q);
+}
+
 vv_status vvi_sheet_measurements_draw(const vvi_sheet_measurements *all, const vvi_sheet *s)
 {
     const vvi_gfx_label letters = {.size = s->em, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_CENTRE};
     const slice in = slice_of(s);
+    static const slice everywhere = {0};
     vvi_sheet lines = *s;
+    drawing edges = {&lines, &everywhere};
     vv_status st = VV_OK;
     lines.ink = ink_of(s);
     for (size_t i = 0; i < all->n && st == VV_OK; i++) {
         st = draw_box(&lines, &in, all->shown[i].of);
+        if (st == VV_OK)
+            st = put_region(&lines, &in, all->shown[i].of, draw_edge, &edges);
         if (st == VV_OK)
             st = draw_points(&lines, &in, all->shown[i].of);
         if (st == VV_OK)

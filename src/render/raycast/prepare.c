@@ -122,11 +122,11 @@ static int kernel_of(const vvi_raycast_volume *v, int mode)
     case VVI_RAYCAST_LOCAL_MAXIMUM:
         return VVI_RAY_LOCAL_MAXIMUM;
     default:
-        return v->blend.ray.shaded ? VVI_RAY_COMPOSITE_SHADED : VVI_RAY_COMPOSITE;
+        return v->blend.ray.light.shaded ? VVI_RAY_COMPOSITE_SHADED : VVI_RAY_COMPOSITE;
     }
 }
 
-static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_raycast_kernels *k)
+static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_ray_kernels *k)
 {
     if (v->solid && v->blend.cubic)
         return k->surface_cubic;
@@ -151,21 +151,17 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     if (st != VV_OK)
         return st;
     v->blend.ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
-    v->blend.ray.jitter = jitters(scene);
-    v->blend.ray.cell_gradient =
+    v->blend.ray.sampler.cell_gradient =
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);
     v->visible = true;
-    if (v->solid && v->actor->paint.field)
-        vvi_log(job, VV_LOG_WARNING, "raycast",
-                "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", v->actor->id);
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else
         st = vvi_raycast_classify(v, &table, scene, job);
     if (vvi_raycast_projects(p->mode))
         vvi_raycast_find_projection(v, p);
-    if (st == VV_OK && !v->solid && p->mode == VVI_RAYCAST_COMPOSITE)
+    if (st == VV_OK && !vvi_raycast_projects(p->mode))
         st = vvi_raycast_find_paint(v, job);
     if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !vvi_raycast_projects(p->mode)) {
         st = vvi_texture_open(&v->texture, v->actor, scene, job);
@@ -179,27 +175,33 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     return st;
 }
 
-/* Several volumes, or one that no kernel of one volume shows: surfaces behind, and all others before them. */
-static void prepare_blend(vvi_raycast_state *s, const vvi_raycast_kernels *k)
+/* Who draws what is no solid. */
+static void choose_clouds(vvi_raycast_state *s)
 {
     vvi_blend_setup *f = &s->blend;
-    *f = (vvi_blend_setup){.step = s->volume[0].blend.ray.step, .opaque = s->volume[0].blend.ray.opaque};
     bool any = false;
     for (size_t i = 0; i < s->n_volumes; i++) {
         const vvi_raycast_volume *v = &s->volume[i];
-        s->n_surfaces += v->solid && v->visible;
-        any |= !v->solid && v->visible;
-        if (!v->solid) /* steps begin where the first volume does, seen or not */
-            f->volume[f->n_volumes++] = v->blend;
+        if (v->solid) {
+            s->n_surfaces += v->visible;
+            continue;
+        }
+        any |= v->visible;
+        f->volume[f->n_volumes++] = v->blend; /* steps begin where the first volume does, seen or not */
+        s->cloud = v->kernel && f->n_volumes == 1 ? v : NULL;
     }
-    if (any)
-        s->kernel = k->blend;
+    f->step = s->volume[0].blend.ray.step;
+    f->opaque = s->volume[0].blend.ray.opaque;
+    if (s->cloud || !any)
+        f->n_volumes = 0;
+    if (!any)
+        s->cloud = NULL;
 }
 
 static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv_job *job)
 {
     const vvi_raycast_params *p = params_of(scene);
-    const vvi_raycast_kernels *k = vvi_raycast_kernels_for(vvi_job_cpu(job));
+    const vvi_ray_kernels *k = s->kernels;
     for (size_t i = 0; i < scene->n_actors; i++) {
         const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
         if (st != VV_OK)
@@ -211,12 +213,11 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         const vv_status st = prepare_volume(v, scene, step, job);
         if (st != VV_OK)
             return st;
-        if (v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v)))
+        if (v->solid || !vvi_raycast_needs_blend(v))
             v->kernel = own_kernel(v, p->mode, k);
     }
+    choose_clouds(s);
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
-    if (s->n_volumes && !vvi_raycast_is_plain(s))
-        prepare_blend(s, k);
     return VV_OK;
 }
 
@@ -226,7 +227,11 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
     vvi_raycast_state *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    const vv_status st = prepare_volumes(s, scene, job);
+    s->kernels = vvi_ray_kernels_for(vvi_job_cpu(job));
+    s->eye = (vvi_eye){.lens = scene->lens, .width = scene->width, .height = scene->height, .jitter = jitters(scene)};
+    vv_status st = prepare_volumes(s, scene, job);
+    if (st == VV_OK)
+        st = vvi_ray_meshes_open(&s->meshes, scene, job);
     if (st != VV_OK) {
         vvi_raycast_finish(s);
         return st;
@@ -261,5 +266,6 @@ void vvi_raycast_finish(void *state)
         vvi_cache_release(v->ids);
         vv_field_release((vv_field *)v->halved.field);
     }
+    vvi_ray_meshes_close(&s->meshes);
     vvi_free(s);
 }

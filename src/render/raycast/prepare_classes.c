@@ -29,7 +29,7 @@ static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t 
 static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, const vvi_transfer_fine *fine,
                             vv_job *job)
 {
-    vvi_ray_setup *f = &v->blend.ray;
+    vvi_march_volume *f = &v->blend.ray;
     const size_t rows = table->n + fine->n_rows;
     v->alpha = vvi_alloc(job, (rows + GUARD_FLOATS) * sizeof *v->alpha, VVI_MEM_SCRATCH);
     v->color = vvi_alloc(job, (rows * 4 + GUARD_FLOATS) * sizeof *v->color, VVI_MEM_SCRATCH);
@@ -40,11 +40,11 @@ static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *tab
     for (size_t i = 0; i < table->n && fine->n_rows; i++)
         if (fine->parts[i])
             put_split(v, i, fine->first[i], fine->parts[i]);
-    f->alpha = v->alpha;
-    f->color = v->color;
-    f->last_place = nextafterf((float)table->n, 0);
-    f->entry_scale = (float)(v->hold.value_scale * table->scale);
-    f->entry_shift = (float)(v->hold.value_offset * table->scale + table->offset + 0.5);
+    f->classifier.alpha = v->alpha;
+    f->classifier.color = v->color;
+    f->classifier.last_place = nextafterf((float)table->n, 0);
+    f->classifier.entry_scale = (float)(v->hold.value_scale * table->scale);
+    f->classifier.entry_shift = (float)(v->hold.value_offset * table->scale + table->offset + 0.5);
     return VV_OK;
 }
 
@@ -143,15 +143,15 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
 bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
 {
     const vvi_blend_volume *b = &v->blend;
-    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic || b->paint.kind != VVI_PAINT_NONE ||
-           b->ray.texture;
+    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic ||
+           b->ray.paint.kind != VVI_PAINT_NONE || b->ray.texture;
 }
 
 void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
-    vvi_ray_setup *f = &v->blend.ray;
+    vvi_march_volume *f = &v->blend.ray;
     const double scale = v->hold.value_scale, offset = v->hold.value_offset;
     const double threshold = vv_object_is_set(&p->base, "threshold") ? p->threshold : actor->iso;
     vv_vec3 corner = {0, 0, 0}; /* the longest of the four diagonals */
@@ -165,22 +165,22 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
         longest = fmax(longest, vvi_length(corner));
     }
     /* a negative scale turns the order of stored numbers round */
-    f->sign = (p->mode == VVI_RAYCAST_MINIMUM) == (scale < 0) ? 1 : -1;
-    f->threshold = (float)((threshold - offset) / scale) * f->sign;
-    f->stored_zero = p->mode == VVI_RAYCAST_SUM ? (float)(-offset / scale) : 0;
-    f->over_longest = p->mode == VVI_RAYCAST_SUM;
-    f->longest = (float)(longest / f->step);
+    f->projection.sign = (p->mode == VVI_RAYCAST_MINIMUM) == (scale < 0) ? 1 : -1;
+    f->projection.threshold = (float)((threshold - offset) / scale) * f->projection.sign;
+    f->projection.stored_zero = p->mode == VVI_RAYCAST_SUM ? (float)(-offset / scale) : 0;
+    f->projection.over_longest = p->mode == VVI_RAYCAST_SUM;
+    f->projection.longest = (float)(longest / f->step);
 }
 
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
-    vvi_ray_setup *f = &v->blend.ray;
+    vvi_march_volume *f = &v->blend.ray;
     double from, to;
     vvi_raycast_solid(&from, &to, p, actor);
     const double a = (from - v->hold.value_offset) / v->hold.value_scale;
     const double b = (to - v->hold.value_offset) / v->hold.value_scale;
-    f->solid_lo = (float)fmin(a, b);
-    f->solid_hi = (float)fmax(a, b);
-    memcpy(f->surface_color, actor->color, sizeof f->surface_color);
+    f->solid.lo = (float)fmin(a, b);
+    f->solid.hi = (float)fmax(a, b);
+    memcpy(f->solid.color, actor->color, sizeof f->solid.color);
 }

@@ -2,7 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "render/common/minmax_spread.h"
-#include "render/common/skip.h"
+#include "render/march/skip.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
@@ -55,12 +55,12 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
  * more of the coefficients. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
-    const vvi_ray_setup *f = &v->blend.ray;
+    const vvi_march_volume *f = &v->blend.ray;
     double most = 0;
     if (v->blend.classify != VVI_CLASSIFY_INTEGRATED && !v->blend.cubic)
         return 0;
     for (int a = 0; a < 3 && v->blend.classify == VVI_CLASSIFY_INTEGRATED; a++) {
-        const double *m = f->world_to_index[a];
+        const double *m = f->sampler.world_to_index[a];
         most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
     }
     most += v->blend.cubic ? 1 : 0;                                /* a cubic's outer coefficients */
@@ -81,8 +81,8 @@ static uint64_t hash_visibility(const visibility *v)
 
 static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfer_table *table)
 {
-    const vvi_ray_setup *f = &v->blend.ray;
-    return (visibility){table, v->hold.value_scale, v->hold.value_offset, f->solid_lo, f->solid_hi};
+    const vvi_march_volume *f = &v->blend.ray;
+    return (visibility){table, v->hold.value_scale, v->hold.value_offset, f->solid.lo, f->solid.hi};
 }
 
 /* The value range of each block of a volume, and the key by which more is derived from it. */
@@ -98,17 +98,17 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
 
 vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
 {
-    vvi_ray_setup *f = &volume->blend.ray;
+    vvi_march_volume *f = &volume->blend.ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);
     if (st != VV_OK)
         return st;
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
-    memcpy(f->blocks, m->n, sizeof f->blocks);
-    f->shift = m->shift;
+    memcpy(f->skipper.blocks, m->n, sizeof f->skipper.blocks);
+    f->skipper.shift = m->shift;
     if (vvi_raycast_projects(mode)) { /* mean and sum look at everything */
-        f->block_bound = f->sign < 0 ? m->lo : m->hi;
+        f->skipper.block_bound = f->projection.sign < 0 ? m->lo : m->hi;
         return VV_OK;
     }
     skip_request sr = {m, &v, find_reach(volume, m->shift)};
@@ -117,7 +117,7 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);
-    f->reach = skip->reach;
+    f->skipper.reach = skip->reach;
     volume->visible = volume->visible && skip->n_occupied > 0;
     return VV_OK;
 }
@@ -147,7 +147,7 @@ static vv_status make_boxes(void **value_out, uint64_t *bytes_out, void *user, v
 vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *scene, const vvi_transfer_table *table,
                                  vv_job *job)
 {
-    vvi_ray_setup *f = &volume->blend.ray;
+    vvi_march_volume *f = &volume->blend.ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);
@@ -170,11 +170,11 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
         .width = scene->width,
         .height = scene->height,
         .index_to_world = volume->actor->index_to_world,
-        .lo = {f->lo[0], f->lo[1], f->lo[2]},
-        .hi = {f->hi[0], f->hi[1], f->hi[2]},
+        .lo = {f->sampler.lo[0], f->sampler.lo[1], f->sampler.lo[2]},
+        .hi = {f->sampler.hi[0], f->sampler.hi[1], f->sampler.hi[2]},
         .before = volume->blend.nearest ? 0.5 : 0,
     };
     if ((st = vvi_parc_init(&volume->parc, boxes, &view, job)) == VV_OK)
-        f->parc = &volume->parc;
+        f->skipper.parc = &volume->parc;
     return st;
 }

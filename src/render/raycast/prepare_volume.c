@@ -12,7 +12,7 @@ enum { MOST_STEPS = 1 << 20 };
 #define LEAST_FLAT 1e-18  /* its square is a float */
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
-static vv_status check_step(vvi_ray_setup *f, const vv_actor *actor, const vv_scene *scene)
+static vv_status check_step(vvi_march_volume *f, const vv_actor *actor, const vv_scene *scene)
 {
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
     double diagonal = 0;
@@ -28,7 +28,7 @@ static vv_status check_step(vvi_ray_setup *f, const vv_actor *actor, const vv_sc
 
 /* Placement ----------------------------------------------------------------------------------------------------- */
 
-static vv_status place(vvi_ray_setup *f, const vv_actor *actor)
+static vv_status place(vvi_march_volume *f, const vv_actor *actor)
 {
     const vv_affine m = actor->index_to_world;
     vv_affine i;
@@ -40,25 +40,25 @@ static vv_status place(vvi_ray_setup *f, const vv_actor *actor)
     const double back[3][4] = {{i.axis[0].x, i.axis[1].x, i.axis[2].x, i.origin.x},
                                {i.axis[0].y, i.axis[1].y, i.axis[2].y, i.origin.y},
                                {i.axis[0].z, i.axis[1].z, i.axis[2].z, i.origin.z}};
-    memcpy(f->world_to_index, back, sizeof back);
+    memcpy(f->sampler.world_to_index, back, sizeof back);
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b < 4; b++)
-            f->index_to_world[a][b] = (float)forward[a][b];
+            f->sampler.index_to_world[a][b] = (float)forward[a][b];
         for (int b = 0; b < 3; b++)
-            f->gradient_to_world[a][b] = (float)back[b][a];
+            f->sampler.gradient_to_world[a][b] = (float)back[b][a];
         /* a flat axis, and nearest samples, own half a voxel to each side */
-        const bool thick = actor->nearest || f->lattice.n[a] == 1;
-        f->lo[a] = thick ? -0.5 : 0;
-        f->hi[a] = f->lattice.n[a] - (thick ? 0.5 : 1);
+        const bool thick = actor->nearest || f->sampler.lattice.n[a] == 1;
+        f->sampler.lo[a] = thick ? -0.5 : 0;
+        f->sampler.hi[a] = f->sampler.lattice.n[a] - (thick ? 0.5 : 1);
     }
     if (actor->n_planes > VVI_RAY_PLANES)
         return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: %zu cut planes; ray casting takes at most %d", actor->id,
                        actor->n_planes, VVI_RAY_PLANES);
-    f->n_planes = actor->n_planes;
+    f->sampler.n_planes = actor->n_planes;
     for (size_t p = 0; p < actor->n_planes; p++) {
         const vv_plane *plane = &actor->planes[p];
         const double row[4] = {plane->normal.x, plane->normal.y, plane->normal.z, plane->offset};
-        memcpy(f->planes[p], row, sizeof row);
+        memcpy(f->sampler.planes[p], row, sizeof row);
     }
     return VV_OK;
 }
@@ -71,7 +71,7 @@ static void scale_gradients(vvi_raycast_volume *v)
 {
     const vv_actor *actor = v->actor;
     const double value_scale = v->hold.value_scale;
-    vvi_ray_setup *f = &v->blend.ray;
+    vvi_march_volume *f = &v->blend.ray;
     const double all = (actor->statistics->max - actor->statistics->min) / value_scale;
     const double seen = vvi_shade_range(actor) / fabs(value_scale);
     const double range = copysign(fmax(seen, fabs(all) * LEAST_SHARE), all);
@@ -79,25 +79,26 @@ static void scale_gradients(vvi_raycast_volume *v)
     /* of values that are all the same, what looks like a gradient is rounding */
     const double factor = range == 0 ? 0 : isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
-        f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
+        f->sampler.gradient_to_world[a / 3][a % 3] =
+            (float)((double)f->sampler.gradient_to_world[a / 3][a % 3] * factor);
     v->gradient_unit = factor != 0 ? factor : 1;
-    f->flat_gradient = range != 0 && isfinite(range) ? (float)fmax(1e-6 * seen / fabs(range), LEAST_FLAT) : 1e-6f;
-    f->solid_unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
+    f->light.flat_gradient = range != 0 && isfinite(range) ? (float)fmax(1e-6 * seen / fabs(range), LEAST_FLAT) : 1e-6f;
+    f->solid.unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
 }
 
-static vv_status light(vvi_ray_setup *f, const vv_scene *scene, const vv_actor *actor)
+static vv_status light(vvi_march_volume *f, const vv_scene *scene, const vv_actor *actor)
 {
     if (scene->n_lamps > VVI_RAY_LAMPS)
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
                        scene->n_lamps, VVI_RAY_LAMPS);
-    f->shaded = actor->shading_model != VV_SHADING_NONE;
-    f->two_sided = actor->two_sided;
-    f->capped = actor->cap && actor->n_planes > 0;
-    f->gloss = vvi_gloss_of(actor->shading_model, actor->ambient, actor->diffuse, actor->specular, actor->shininess,
-                            scene->ambient);
-    f->n_lamps = scene->n_lamps;
+    f->light.shaded = actor->shading_model != VV_SHADING_NONE;
+    f->light.two_sided = actor->two_sided;
+    f->light.capped = actor->cap && actor->n_planes > 0;
+    f->light.gloss = vvi_gloss_of(actor->shading_model, actor->ambient, actor->diffuse, actor->specular,
+                                  actor->shininess, scene->ambient);
+    f->light.n_lamps = scene->n_lamps;
     for (size_t i = 0; i < scene->n_lamps; i++)
-        f->lamps[i] = vvi_lamp_from(&scene->lamps[i], vvi_vec(0, 0, 0));
+        f->light.lamps[i] = vvi_lamp_from(&scene->lamps[i], vvi_vec(0, 0, 0));
     return VV_OK;
 }
 
@@ -128,7 +129,7 @@ static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scen
 vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vv_actor *actor = v->actor;
-    vvi_ray_setup *f = &v->blend.ray;
+    vvi_march_volume *f = &v->blend.ray;
     vv_status st = check_interpolation(actor, scene);
     if (st != VV_OK)
         return st;
@@ -136,16 +137,10 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
                       : vvi_lattice_open(&v->hold, actor->field, actor->component, job);
     if (st != VV_OK)
         return st;
-    f->lattice = v->hold.lattice;
-    f->lens = scene->lens;
-    f->width = scene->width;
-    f->height = scene->height;
-    f->row = scene->width;
-    f->pixel_x = f->pixel_y = 0.5;
-    f->stride = 1;
+    f->sampler.lattice = v->hold.lattice;
     f->step = step;
-    f->cap_depth = (float)fmax(1, vvi_actor_voxel(actor) / step);
-    v->blend.nearest = f->nearest = actor->nearest;
+    f->light.cap_depth = (float)fmax(1, vvi_actor_voxel(actor) / step);
+    v->blend.nearest = f->sampler.nearest = actor->nearest;
     v->blend.cubic = actor->cubic;
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;

@@ -1,5 +1,6 @@
 /* The row of the renderer table: ray casting. */
 #include "render/raycast/raycast.h"
+#include "config.h"
 #include "core/job.h"
 #include "registry.h"
 #include <math.h>
@@ -55,75 +56,168 @@ static vv_status accepts(const vv_scene *scene)
                        "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
                        "the others, or mode=composite",
                        scene->actors[1].id, scene->n_actors);
+    if (scene->n_mesh_actors && projects(scene->params) != VV_PROJECTS_NOTHING)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s: is a mesh, and this mode shows one value of each ray; use mode=composite or "
+                       "isosurface, or set visible=false",
+                       scene->mesh_actors[0].look.id);
     return VV_OK;
 }
 
-/* The surfaces of one piece of a tile, the nearest of each pixel. */
-enum { PIECE = 32 };
-typedef struct surfaces {
-    float rgba[PIECE * PIECE * 4], depth[PIECE * PIECE];
-} surfaces;
+/* Pixels along the side of a piece of a tile, whose rays are one batch. */
+enum { PIECE = 16 };
 
-/* One pass over one piece of a tile. */
-typedef struct piece {
-    const vv_pass *pass;
-    vv_tile tile;
+/* What is drawn into. */
+typedef struct target {
     vv_image *image;
     vv_render_counts *counts;
-} piece;
+} target;
 
-static void set_pass(vvi_ray_setup *f, const piece *p)
+/* The nearest surface of a volume along each ray, where the ray then ends. */
+static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
 {
-    f->pixel_x = p->pass->x;
-    f->pixel_y = p->pass->y;
-    f->stride = p->pass->stride;
-    f->row = p->image->width;
-    f->jitter_seed = p->pass->number;
-    f->rgba = p->image->rgba;
-    f->depth = p->image->depth;
-}
-
-/* One volume's surface, the piece's first pixel at (0, 0). */
-static void draw_surface(surfaces *out, const vvi_raycast_volume *v, const piece *p)
-{
-    vvi_ray_setup frame = v->blend.ray;
-    vv_render_counts counts = {0};
-    const vv_tile tile = {0, 0, p->tile.x1 - p->tile.x0, p->tile.y1 - p->tile.y0};
-    set_pass(&frame, p);
-    frame.pixel_x += frame.stride * p->tile.x0;
-    frame.pixel_y += frame.stride * p->tile.y0;
-    frame.row = PIECE;
-    frame.rgba = out->rgba;
-    frame.depth = out->depth;
-    v->kernel(&frame, &tile, &counts);
-    p->counts->samples += counts.samples;
-}
-
-static void keep_nearest(surfaces *near, const surfaces *other)
-{
-    for (size_t i = 0; i < (size_t)PIECE * PIECE; i++) {
-        if (!(other->depth[i] < near->depth[i]))
-            continue;
-        near->depth[i] = other->depth[i];
-        memcpy(near->rgba + 4 * i, other->rgba + 4 * i, 4 * sizeof *near->rgba);
-    }
-}
-
-static void draw_surfaces(surfaces *near, const vvi_raycast_state *s, const piece *p)
-{
-    surfaces other;
+    vvi_sink other;
     bool first = true;
-    for (size_t i = 0; i < (size_t)PIECE * PIECE; i++)
-        near->depth[i] = other.depth[i] = INFINITY;
-    for (size_t i = 0; i < s->n_volumes; i++) {
-        const vvi_raycast_volume *v = &s->volume[i];
-        if (!v->solid || !v->visible)
+    for (size_t v = 0; v < s->n_volumes; v++) {
+        if (!s->volume[v].solid || !s->volume[v].visible)
             continue;
-        draw_surface(first ? near : &other, v, p);
-        if (!first)
-            keep_nearest(near, &other);
+        vvi_sink *found = first ? near : &other;
+        s->volume[v].kernel(found, &s->volume[v].blend.ray, rays, counts);
+        for (size_t i = 0; i < rays->n; i++) {
+            if (!first && other.depth[i] < near->depth[i]) {
+                near->depth[i] = other.depth[i];
+                near->through[i] = other.through[i];
+                for (int c = 0; c < 3; c++)
+                    near->rgb[c][i] = other.rgb[c][i];
+            }
+            rays->far[i] = (double)near->depth[i];
+        }
         first = false;
     }
+}
+
+static void clear(vvi_sink *sink, size_t n)
+{
+    memset(sink->rgb, 0, sizeof sink->rgb);
+    for (size_t i = 0; i < n; i++) {
+        sink->through[i] = 1;
+        sink->depth[i] = INFINITY;
+    }
+}
+
+/* All that ends rays: the nearest of surfaces and opaque meshes. */
+static void find_opaque(vvi_mesh_sink *out, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
+{
+    if (s->n_surfaces)
+        find_surfaces(&out->sink, rays, s, counts);
+    else
+        clear(&out->sink, rays->n);
+    if (!s->meshes.n)
+        return;
+    memset(out->id, 0, sizeof out->id);
+    vvi_ray_meshes_opaque(out, &s->meshes, rays);
+    for (size_t i = 0; i < rays->n; i++)
+        rays->far[i] = (double)out->sink.depth[i];
+}
+
+static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++)
+            front->rgb[c][i] += front->through[i] * behind->rgb[c][i];
+        front->through[i] *= behind->through[i];
+        front->depth[i] = isfinite(front->depth[i]) ? front->depth[i] : behind->depth[i];
+    }
+}
+
+/* What is no solid, from near to far; false: there is nothing. */
+static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
+{
+    if (s->cloud)
+        s->cloud->kernel(out, &s->cloud->blend.ray, rays, counts);
+    else if (s->blend.n_volumes)
+        s->kernels->blend(out, &s->blend, rays, counts);
+    return s->cloud || s->blend.n_volumes;
+}
+
+/* Steps over a triangle to what lies behind it: by more than floats lose. */
+#define BEYOND 1e-6
+/* Less light than this is not followed from triangle to triangle. */
+#define LEAST_THROUGH 1e-4f
+
+/* Clouds between translucent triangles, and these: they change neither depths nor numbers, as everywhere. */
+static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *rays, vv_render_counts *counts)
+{
+    vvi_mesh_sink layer;
+    vvi_sink clouds;
+    double end[VVI_RAY_BATCH];
+    memcpy(end, rays->far, rays->n * sizeof *end);
+    clear(out, rays->n);
+    for (size_t n = 1; n > 0;) {
+        n = vvi_ray_meshes_translucent(&layer, &s->meshes, rays);
+        for (size_t i = 0; i < rays->n; i++)
+            rays->far[i] = fmin(end[i], (double)layer.sink.depth[i]);
+        if (draw_clouds(&clouds, s, rays, counts))
+            put_behind(out, &clouds, rays->n);
+        for (size_t i = 0; i < rays->n; i++) {
+            const double at = (double)layer.sink.depth[i];
+            const bool more = isfinite(at);
+            for (int c = 0; c < 3 && more; c++)
+                out->rgb[c][i] += out->through[i] * layer.sink.rgb[c][i];
+            out->through[i] *= more ? layer.sink.through[i] : 1;
+            rays->near[i] = more && out->through[i] > LEAST_THROUGH ? at + BEYOND * at : INFINITY;
+            rays->far[i] = end[i];
+        }
+    }
+}
+
+static void store(const target *t, const vvi_rays *rays, const vvi_sink *sink)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        if (rays->pixel[i] < 0)
+            continue;
+        const size_t at = (size_t)rays->pixel[i];
+        for (size_t c = 0; c < 3; c++)
+            t->image->rgba[4 * at + c] = sink->rgb[c][i];
+        t->image->rgba[4 * at + 3] = 1 - sink->through[i];
+        if (t->image->depth)
+            t->image->depth[at] = sink->depth[i];
+    }
+}
+
+/* Layers of the pixels in which a mesh is what is seen. */
+static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *front, const vvi_mesh_sink *opaque)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        if (rays->pixel[i] < 0 || !opaque->id[i] || front->depth[i] < opaque->sink.depth[i])
+            continue;
+        const size_t at = (size_t)rays->pixel[i];
+        if (t->image->id)
+            t->image->id[at] = opaque->id[i];
+        for (size_t c = 0; c < 3 && t->image->normal; c++)
+            t->image->normal[3 * at + c] = opaque->normal[c][i];
+    }
+}
+
+/* What is opaque ends rays; clouds and what is translucent are in front of it. */
+static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece)
+{
+    const bool any_opaque = s->n_surfaces || s->meshes.n;
+    vvi_rays rays;
+    vvi_mesh_sink opaque;
+    vvi_sink front;
+    s->kernels->eye(&rays, eye, piece);
+    if (any_opaque)
+        find_opaque(&opaque, &rays, s, t->counts);
+    if (s->meshes.translucent)
+        draw_between(&front, s, &rays, t->counts);
+    else if (!draw_clouds(&front, s, &rays, t->counts))
+        clear(&front, rays.n);
+    if (any_opaque)
+        put_behind(&front, &opaque.sink, rays.n);
+    store(t, &rays, &front);
+    if (s->meshes.n && (t->image->id || t->image->normal))
+        store_meshes(t, &rays, &front, &opaque);
 }
 
 static uint64_t pixels(const vv_tile *tile)
@@ -131,65 +225,19 @@ static uint64_t pixels(const vv_tile *tile)
     return (uint64_t)(tile->x1 - tile->x0) * (uint64_t)(tile->y1 - tile->y0);
 }
 
-static void copy_surfaces(const surfaces *near, const piece *p)
-{
-    const size_t width = (size_t)(p->tile.x1 - p->tile.x0);
-    for (int32_t y = p->tile.y0; y < p->tile.y1; y++) {
-        const size_t at = (size_t)y * (size_t)p->image->width + (size_t)p->tile.x0;
-        const size_t from = (size_t)(y - p->tile.y0) * PIECE;
-        memcpy(p->image->rgba + 4 * at, near->rgba + 4 * from, 4 * width * sizeof *near->rgba);
-        if (p->image->depth)
-            memcpy(p->image->depth + at, near->depth + from, width * sizeof *near->depth);
-    }
-    p->counts->rays += pixels(&p->tile);
-}
-
-static void draw_blend(const vvi_raycast_state *s, const surfaces *behind, const piece *p)
-{
-    vvi_blend_setup frame = s->blend;
-    for (size_t i = 0; i < frame.n_volumes; i++)
-        set_pass(&frame.volume[i].ray, p);
-    if (behind) {
-        frame.behind_rgba = behind->rgba;
-        frame.behind_depth = behind->depth;
-        frame.behind_x = p->tile.x0;
-        frame.behind_y = p->tile.y0;
-        frame.behind_row = PIECE;
-    }
-    frame.row = p->image->width;
-    frame.rgba = p->image->rgba;
-    frame.depth = p->image->depth;
-    s->kernel(&frame, &p->tile, p->counts);
-}
-
-static void draw(const vvi_raycast_state *s, const piece *p)
-{
-    if (vvi_raycast_is_plain(s)) {
-        vvi_ray_setup frame = s->volume[0].blend.ray;
-        set_pass(&frame, p);
-        s->volume[0].kernel(&frame, &p->tile, p->counts);
-        return;
-    }
-    surfaces near;
-    if (s->n_surfaces)
-        draw_surfaces(&near, s, p);
-    if (s->kernel)
-        draw_blend(s, s->n_surfaces ? &near : NULL, p);
-    else
-        copy_surfaces(&near, p);
-}
-
-/* Pixels along the side of a piece: of rays of very many steps some milliseconds' worth, so that a stop is heard. */
+/* Where rays have very many steps some milliseconds' worth of pixels, so that a stop is heard. */
 static int32_t piece_size(const vvi_raycast_state *s)
 {
     float steps = 0;
     for (size_t i = 0; i < s->n_volumes; i++)
         steps += s->volume[i].blend.ray.steps;
-    return steps > 16384 ? 4 : steps > 2048 ? 16 : PIECE;
+    return steps > 16384 ? 4 : PIECE;
 }
 
 static bool any_visible(const vvi_raycast_state *s)
 {
+    if (s->meshes.n)
+        return true;
     for (size_t i = 0; i < s->n_volumes; i++)
         if (s->volume[i].visible)
             return true;
@@ -200,20 +248,25 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
                         vv_render_counts *counts, vv_job *job)
 {
     const vvi_raycast_state *s = state;
-    if (!any_visible(s)) {
-        counts->rays += pixels(tile);
+    counts->rays += pixels(tile);
+    if (!any_visible(s))
         return VV_OK; /* the image begins clear */
-    }
     const int32_t size = piece_size(s);
-    piece p = {.pass = pass, .image = image, .counts = counts};
+    const target t = {image, counts};
+    vvi_eye eye = s->eye;
+    eye.x = pass->x;
+    eye.y = pass->y;
+    eye.stride = pass->stride;
+    eye.row = image->width;
+    eye.seed = pass->number;
     for (int32_t y = tile->y0; y < tile->y1; y += size)
         for (int32_t x = tile->x0; x < tile->x1; x += size) {
-            p.tile =
-                (vv_tile){x, y, x + size < tile->x1 ? x + size : tile->x1, y + size < tile->y1 ? y + size : tile->y1};
+            const vv_tile piece = {x, y, x + size < tile->x1 ? x + size : tile->x1,
+                                   y + size < tile->y1 ? y + size : tile->y1};
             const vv_status st = vvi_job_poll(job);
             if (st != VV_OK)
                 return st;
-            draw(s, &p);
+            draw(s, &t, &eye, &piece);
         }
     return VV_OK;
 }
@@ -231,4 +284,5 @@ const vv_renderer vvi_renderer_raycast = {
     .projects = projects,
     .solid = solid,
     .heeds = heeds,
+    .mesh_actors = VV_HAVE_EMBREE,
 };

@@ -4,7 +4,8 @@
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
 #include "render/common/texture.h"
-#include "render/raycast/blend_kernel.h"
+#include "render/march/blend_kernel.h"
+#include "render/raycast/mesh_rays.h"
 #include <volvis/model.h>
 
 typedef enum vvi_raycast_mode {
@@ -64,14 +65,17 @@ typedef struct vvi_raycast_volume {
     double gradient_unit; /**< kernels' gradients are stored numbers per world length times this */
 } vvi_raycast_volume;
 
-/** A frame. Tests make one to compare kernels with the reference. One volume that is plain is drawn by its own kernel;
- * else the surfaces are drawn first, the nearest of each pixel kept, and all other volumes blended in front of them. */
+/** A frame. Tests make one to compare kernels with the reference. Surfaces and meshes are found first, the nearest
+ * along each ray; clouds are then in front of them, one by its own kernel if it is plain, else all of them blended. */
 typedef struct vvi_raycast_state {
     vvi_raycast_volume volume[VVI_BLEND_VOLUMES];
     size_t n_volumes;
-    vvi_blend_setup blend;
-    vvi_blend_kernel *kernel; /**< of the blend; NULL: nothing to blend */
-    size_t n_surfaces;        /**< volumes that are solid and visible; beside others, or several of them */
+    const vvi_ray_kernels *kernels;
+    vvi_eye eye;                     /**< of the view; which pass, says the pass */
+    size_t n_surfaces;               /**< volumes that are solid and visible */
+    const vvi_raycast_volume *cloud; /**< the only volume that is no solid, if a kernel of one volume draws it */
+    vvi_ray_meshes meshes;
+    vvi_blend_setup blend; /**< of the others; n_volumes 0: nothing to blend */
 } vvi_raycast_state;
 
 /** Whether a kernel of one volume draws it. */

@@ -16,21 +16,21 @@ static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards, bool by_cut)
 
 bool vvi_ref_clip(vvi_ref_ray *r)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     r->t0 = 0;
     r->by_cut = false;
     r->t1 = INFINITY;
     r->inwards = r->direction;
     for (int a = 0; a < 3; a++) {
-        const double *m = f->world_to_index[a];
+        const double *m = f->sampler.world_to_index[a];
         const double d = m[0] * r->direction.x + m[1] * r->direction.y + m[2] * r->direction.z;
         const double o = m[0] * r->origin.x + m[1] * r->origin.y + m[2] * r->origin.z + m[3];
         if (d == 0) {
-            if (o < f->lo[a] || o > f->hi[a])
+            if (o < f->sampler.lo[a] || o > f->sampler.hi[a])
                 return false;
             continue;
         }
-        const double x = (f->lo[a] - o) / d, y = (f->hi[a] - o) / d;
+        const double x = (f->sampler.lo[a] - o) / d, y = (f->sampler.hi[a] - o) / d;
         enter(r, fmin(x, y), vvi_scaled(vvi_vec(m[0], m[1], m[2]), d > 0 ? 1 : -1), false);
         r->t1 = fmin(r->t1, fmax(x, y));
     }
@@ -53,8 +53,8 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     vv_vec3 g = vvi_scaled(vvi_ref_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
-    const vvi_ray_setup *f = &r->volume->blend.ray;
-    if (!facing && f->capped && r->by_cut && t - r->t0 < (double)f->cap_depth * f->step)
+    const vvi_march_volume *f = &r->volume->blend.ray;
+    if (!facing && f->light.capped && r->by_cut && t - r->t0 < (double)f->light.cap_depth * f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     vv_actor actor = *r->volume->actor;
     if (facing) {
@@ -68,20 +68,20 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
 
 /* Rows of the frame's own table, so that only sampling, shading and compositing are compared; the table has its own
  * tests against the nodes. */
-int64_t vvi_ref_row(const vvi_ray_setup *f, double value)
+int64_t vvi_ref_row(const vvi_march_volume *f, double value)
 {
-    const double row = value * (double)f->entry_scale + (double)f->entry_shift;
-    const double place = fmin(fmax(row, 0), (double)f->last_place);
+    const double row = value * (double)f->classifier.entry_scale + (double)f->classifier.entry_shift;
+    const double place = fmin(fmax(row, 0), (double)f->classifier.last_place);
     const int64_t entry = (int64_t)place;
-    if (f->alpha[entry] < VVI_ENTRY_SPLIT)
+    if (f->classifier.alpha[entry] < VVI_ENTRY_SPLIT)
         return entry;
-    const double within = (place - (double)entry) * (double)f->color[4 * entry];
-    return (int64_t)f->alpha[entry] - VVI_ENTRY_SPLIT + (int64_t)within;
+    const double within = (place - (double)entry) * (double)f->classifier.color[4 * entry];
+    return (int64_t)f->classifier.alpha[entry] - VVI_ENTRY_SPLIT + (int64_t)within;
 }
 
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     double clear = 1;
     for (int64_t k = 0; clear > f->opaque; k++) {
         const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
@@ -91,13 +91,14 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
         if (!isfinite(v))
             continue;
         const int64_t e = vvi_ref_row(f, v);
-        double alpha = (double)f->alpha[e];
+        double alpha = (double)f->classifier.alpha[e];
         if (to < from + f->step)
-            alpha = -expm1(-(double)f->color[4 * e + 3] * (to - from) / f->step);
+            alpha = -expm1(-(double)f->classifier.color[4 * e + 3] * (to - from) / f->step);
         if (alpha <= 0)
             continue;
-        double color[3] = {(double)f->color[4 * e], (double)f->color[4 * e + 1], (double)f->color[4 * e + 2]};
-        if (f->shaded)
+        double color[3] = {(double)f->classifier.color[4 * e], (double)f->classifier.color[4 * e + 1],
+                           (double)f->classifier.color[4 * e + 2]};
+        if (f->light.shaded)
             vvi_ref_shade(color, r, t, color, false);
         for (int c = 0; c < 3; c++)
             rgba[c] += clear * alpha * color[c];
@@ -108,18 +109,18 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
     rgba[3] = 1 - clear;
 }
 
-static void store_value(double rgba[4], const vvi_ray_setup *f, double stored)
+static void store_value(double rgba[4], const vvi_march_volume *f, double stored)
 {
     const int64_t e = vvi_ref_row(f, stored);
     for (int c = 0; c < 3; c++)
-        rgba[c] = (double)f->color[4 * e + c];
+        rgba[c] = (double)f->classifier.color[4 * e + c];
     rgba[3] = 1;
 }
 
 /* The extreme data value; or, with a threshold, the first that is above it and followed by a smaller one. */
 static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double sign, double threshold)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     const double order = sign * (r->volume->hold.value_scale < 0 ? -1 : 1);
     double best = -INFINITY;
     const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
@@ -139,7 +140,7 @@ static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double
 /* The integral of the data value, over the ray's own length or that of the longest, by the midpoint rule. */
 static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     const double scale = r->volume->hold.value_scale, offset = r->volume->hold.value_offset;
     double sum = 0, length = 0;
     for (int64_t k = 0;; k++) {
@@ -153,16 +154,17 @@ static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
         length += to - from;
     }
     if (length > 0)
-        store_value(rgba, f, (sum / (over_longest ? (double)f->longest * f->step : length) - offset) / scale);
+        store_value(rgba, f,
+                    (sum / (over_longest ? (double)f->projection.longest * f->step : length) - offset) / scale);
 }
 
 static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mode)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     if (mode == VVI_RAYCAST_MEAN || mode == VVI_RAYCAST_SUM)
         average(rgba, r, mode == VVI_RAYCAST_SUM);
     else if (mode == VVI_RAYCAST_LOCAL_MAXIMUM)
-        extremum(rgba, depth, r, 1, (double)f->threshold);
+        extremum(rgba, depth, r, 1, (double)f->projection.threshold);
     else
         extremum(rgba, depth, r, mode == VVI_RAYCAST_MINIMUM ? -1 : 1, INFINITY);
 }
@@ -170,13 +172,13 @@ static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mod
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
 void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     const double fine = f->step / 24;
     double before = r->t0, t = r->t0;
     for (;; t += fine) {
         t = fmin(t, r->t1);
         const double v = vvi_ref_value(r, t);
-        if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
+        if (v >= (double)f->solid.lo && v <= (double)f->solid.hi)
             break;
         if (t >= r->t1)
             return;
@@ -184,16 +186,17 @@ void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
     }
     for (int i = 0; i < 60; i++) {
         const double mid = (before + t) / 2, v = vvi_ref_value(r, mid);
-        if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
+        if (v >= (double)f->solid.lo && v <= (double)f->solid.hi)
             t = mid;
         else
             before = mid;
     }
     double color[3];
     for (int c = 0; c < 3; c++)
-        color[c] = (double)f->surface_color[c];
+        color[c] = (double)f->solid.color[c];
+    vvi_ref_paint(color, r, t);
     vvi_ref_texture(color, r, t);
-    if (f->shaded)
+    if (f->light.shaded)
         vvi_ref_shade(color, r, t, color, true);
     for (int c = 0; c < 3; c++)
         rgba[c] = color[c];
@@ -223,9 +226,7 @@ void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const
     *depth = INFINITY;
     for (size_t i = 0; i < state->n_volumes; i++) {
         rays[i] = (vvi_ref_ray){.scene = scene, .volume = &state->volume[i]};
-        const vvi_ray_setup *f = &state->volume[i].blend.ray;
-        vvi_lens_ray(&rays[i].origin, &rays[i].direction, &scene->lens, scene->width, scene->height,
-                     x * f->stride + f->pixel_x, y * f->stride + f->pixel_y);
+        vvi_lens_ray(&rays[i].origin, &rays[i].direction, &scene->lens, scene->width, scene->height, x + 0.5, y + 0.5);
     }
     if (vvi_raycast_is_plain(state))
         one_volume(rgba, depth, &rays[0]);

@@ -28,7 +28,7 @@ void vvi_ref_texture(double rgb[3], const vvi_ref_ray *r, double t);
 /** Light on a colour at distance t; facing: of a surface. */
 void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double color[3], bool facing);
 /** Row of the frame's table for a stored number. */
-int64_t vvi_ref_row(const vvi_ray_setup *f, double value);
+int64_t vvi_ref_row(const vvi_march_volume *f, double value);
 /** First surface; *depth stays INFINITY where there is none. */
 void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r);
 

@@ -23,11 +23,11 @@ static void find_behind(double rgba[4], double *depth, const vvi_raycast_state *
 /* Extinction and colour by the value in the middle: a row of the frame's table, which has tests of its own. */
 static double by_table(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_ray_setup *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->blend.ray;
     const double value = vvi_ref_value(r, t);
     if (!isfinite(value))
         return 0;
-    const float *row = f->color + 4 * vvi_ref_row(f, value);
+    const float *row = f->classifier.color + 4 * vvi_ref_row(f, value);
     for (int c = 0; c < 3; c++)
         rgb[c] = (double)row[c];
     return (double)row[3] / f->step;
@@ -93,7 +93,7 @@ static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to
     if (kappa > 0 && b->modulate_power > 0)
         kappa *= modulation(r, t);
     const double color[3] = {rgb[0], rgb[1], rgb[2]};
-    if (kappa > 0 && b->ray.shaded)
+    if (kappa > 0 && b->ray.light.shaded)
         vvi_ref_shade(rgb, r, t, color, false);
     return kappa * (to - from);
 }

@@ -132,7 +132,7 @@ static void index_point(double p[3], const vvi_ref_ray *r, double t)
 {
     const vv_vec3 w = world_point(r, t);
     for (int a = 0; a < 3; a++) {
-        const double *m = r->volume->blend.ray.world_to_index[a];
+        const double *m = r->volume->blend.ray.sampler.world_to_index[a];
         p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
     }
 }
@@ -143,17 +143,17 @@ double vvi_ref_value(const vvi_ref_ray *r, double t)
     double p[3];
     index_point(p, r, t);
     if (b->classify == VVI_CLASSIFY_LABELS)
-        return winning_label(&b->ray.lattice, p);
-    return b->cubic ? vvi_cubic_at(&b->ray.lattice, p, -1)
-                    : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
+        return winning_label(&b->ray.sampler.lattice, p);
+    return b->cubic ? vvi_cubic_at(&b->ray.sampler.lattice, p, -1)
+                    : interpolate(&(samples){&b->ray.sampler.lattice, NAN}, b->nearest, p, -1);
 }
 
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
 {
     const vvi_blend_volume *b = &r->volume->blend;
-    const vvi_ray_setup *f = &b->ray;
+    const vvi_march_volume *f = &b->ray;
     const vv_statistics *range = r->volume->actor->statistics;
-    samples s = {&f->lattice, NAN};
+    samples s = {&f->sampler.lattice, NAN};
     double p[3], g[3], w[3], scale = 1;
     index_point(p, r, t);
     if (b->classify ==
@@ -162,16 +162,17 @@ vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
         scale = (range->max - range->min) / r->volume->hold.value_scale;
     }
     for (int a = 0; a < 3; a++)
-        g[a] =
-            scale * (b->cubic                                                 ? vvi_cubic_at(s.g, p, a)
-                     : f->cell_gradient && b->classify != VVI_CLASSIFY_LABELS ? cell_difference(s.g, b->nearest, p, a)
-                                                                              : interpolate(&s, b->nearest, p, a));
+        g[a] = scale * (b->cubic ? vvi_cubic_at(s.g, p, a)
+                        : f->sampler.cell_gradient && b->classify != VVI_CLASSIFY_LABELS
+                            ? cell_difference(s.g, b->nearest, p, a)
+                            : interpolate(&s, b->nearest, p, a));
     for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
-        w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
+        w[a] = f->sampler.world_to_index[0][a] * g[0] + f->sampler.world_to_index[1][a] * g[1] +
+               f->sampler.world_to_index[2][a] * g[2];
     return vvi_vec(w[0], w[1], w[2]);
 }
 
-static void own_colors(double rgb[3], const vvi_blend_paint *paint, const double p[3])
+static void own_colors(double rgb[3], const vvi_paint *paint, const double p[3])
 {
     const vvi_lattice *g = &paint->lattice;
     double sum[4] = {0};
@@ -188,7 +189,7 @@ static void own_colors(double rgb[3], const vvi_blend_paint *paint, const double
         rgb[i] = sum[3] > 0 ? sum[i] / sum[3] : 0;
 }
 
-static void mapped_colors(double rgb[3], const vvi_blend_paint *paint, const vv_paint *from, vv_vec3 world)
+static void mapped_colors(double rgb[3], const vvi_paint *paint, const vv_paint *from, vv_vec3 world)
 {
     vv_affine inverse;
     vv_affine_invert(&inverse, from->index_to_world);
@@ -208,7 +209,7 @@ static void mapped_colors(double rgb[3], const vvi_blend_paint *paint, const vv_
 
 void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_blend_paint *paint = &r->volume->blend.paint;
+    const vvi_paint *paint = &r->volume->blend.ray.paint;
     double p[3];
     index_point(p, r, t);
     if (paint->kind == VVI_PAINT_COLORS)

@@ -121,11 +121,31 @@ static void without_a_job_one_allocation_may_take_half_of_the_machine(void **sta
 static void a_refusal_is_forgotten_when_memory_is_had_again(void **state)
 {
     (void)state;
-    vv_job *job = test_job(1, MIB);
+    vv_job *job = test_job(1, 3 * MIB);
+    void *first = vvi_alloc(job, 2 * MIB, VVI_MEM_SCRATCH);
     assert_null(vvi_alloc(job, 2 * MIB, VVI_MEM_SCRATCH));
-    void *fine = vvi_alloc(job, 64, VVI_MEM_SCRATCH);
+    vvi_free(first);
+    first = vvi_alloc(job, 2 * MIB, VVI_MEM_SCRATCH);
+    assert_non_null(first);
     assert_int_equal(vv_fail_memory(2 * MIB), VV_E_MEMORY); /* somebody else's malloc of the same size */
-    vvi_free(fine);
+    vvi_free(first);
+    vv_job_release(job);
+}
+
+static void of_several_blocks_the_one_that_was_refused_is_told(void **state)
+{
+    (void)state;
+    vv_job *job = test_job(1, 2 * MIB);
+    void *fine[2] = {vvi_alloc(job, 512, VVI_MEM_SCRATCH), NULL};
+    assert_null(vvi_alloc(job, 3 * MIB, VVI_MEM_SCRATCH));
+    fine[1] = vvi_alloc(job, MIB, VVI_MEM_SCRATCH);
+    assert_non_null(fine[1]);
+    assert_int_equal(vv_fail_memory(MIB), VV_E_LIMIT);
+    assert_string_equal(
+        vv_error_last()->message,
+        "needs 3.0 MiB of memory, but 576 bytes of the limit of 2.0 MiB are in use; give more with --memory");
+    vvi_free(fine[0]);
+    vvi_free(fine[1]);
     vv_job_release(job);
 }
 
@@ -432,6 +452,7 @@ int main(void)
         cmocka_unit_test(an_impossible_size_is_refused),
         cmocka_unit_test(without_a_job_one_allocation_may_take_half_of_the_machine),
         cmocka_unit_test(a_refusal_is_forgotten_when_memory_is_had_again),
+        cmocka_unit_test(of_several_blocks_the_one_that_was_refused_is_told),
         cmocka_unit_test(a_plan_says_what_is_needed_and_how_to_allow_it),
         cmocka_unit_test(reallocating_keeps_the_contents),
         cmocka_unit_test(a_refused_reallocation_leaves_the_old_memory),

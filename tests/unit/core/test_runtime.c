@@ -276,6 +276,15 @@ static void the_library_knows_its_version(void **state)
 {
     (void)state;
     assert_string_equal(vv_version(), VV_VERSION_STRING);
+    vv_library library;
+    size_t n = 0;
+    for (; vv_library_nth(&library, n, false); n++)
+        assert_true(*library.name && *library.purpose && (!*library.version || strpbrk(library.version, "0123456789")));
+    assert_true(n > 15 && !vv_library_nth(&library, n, true));
+    const char *isa;
+    bool usable;
+    assert_true(vv_isa_nth(&isa, &usable, 0) && usable);
+    assert_string_equal(isa, "base");
 }
 
 int main(void)

@@ -142,7 +142,7 @@ static void stream_chain(const chain *c, uint64_t slices, vv_job *job)
     vvi_lazy_pool *pools[3];
     vv_field *fields[3];
     for (int p = 0; p < 3; p++)
-        assert_int_equal(vvi_lazy_pool_new(&pools[p], slices * 11 * 5 * 2 * 2, job), VV_OK);
+        assert_int_equal(vvi_lazy_pool_new(&pools[p], slices * 11 * 5 * 2 * 2, 0, job), VV_OK);
     assert_int_equal(vvi_field_lazy(&fields[0], info, &source, pools[0], job), VV_OK);
     vv_object *pa = test_params(c->first, c->settings[0], &info->grid);
     vv_object *pb = test_params(c->second, c->settings[1], &vv_field_get_info(c->one)->grid);
@@ -199,7 +199,7 @@ static void slices_in_order_are_made_once_and_few_at_a_time(void **state)
     counted count = {.field = in};
     const vvi_lazy_source source = {make_part, drop_part, &count};
     vvi_lazy_pool *pool;
-    assert_int_equal(vvi_lazy_pool_new(&pool, 4 * 11 * 5, NULL), VV_OK);
+    assert_int_equal(vvi_lazy_pool_new(&pool, 4 * 11 * 5, 0, NULL), VV_OK);
     assert_int_equal(vvi_field_lazy(&field, &info, &source, pool, NULL), VV_OK);
     for (int64_t k = 0; k < 13; k++)
         for (int64_t j = 0; j < 5; j++) {

@@ -3,7 +3,7 @@
 #include "grid/field.h"
 #include "grid/minmax.h"
 #include "jobs.h"
-#include "render/common/skip.h"
+#include "render/march/skip.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

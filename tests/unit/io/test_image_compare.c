@@ -9,6 +9,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -286,6 +287,26 @@ static void every_allocation_may_fail(void **state)
     vv_image_release(b);
 }
 
+/* White, black, red and half of the light, two a row. */
+static void an_image_is_letters_in_a_terminal(void **state)
+{
+    static const float rgba[4][4] = {{1, 1, 1, 1}, {0, 0, 0, 1}, {1, 0, 0, 1}, {0.5f, 0.5f, 0.5f, 1}};
+    static const char blocks[] = "\033[38;2;255;255;255m\033[48;2;255;0;0m\xe2\x96\x80"
+                                 "\033[38;2;0;0;0m\033[48;2;188;188;188m\xe2\x96\x80\033[0m\n";
+    vv_image *image;
+    char *text;
+    assert_int_equal(vv_image_new(&image, 2, 2, 0, NULL), VV_OK);
+    memcpy(image->rgba, rgba, sizeof rgba);
+    assert_int_equal(vv_image_letters(&text, image, VV_LETTERS_SHADES), VV_OK);
+    assert_string_equal(text, "@ \n-#\n");
+    free(text);
+    assert_int_equal(vv_image_letters(&text, image, VV_LETTERS_BLOCKS), VV_OK);
+    assert_string_equal(text, blocks);
+    free(text);
+    vv_image_release(image);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -305,6 +326,7 @@ int main(void)
         cmocka_unit_test(tiny_images_can_be_compared),
         cmocka_unit_test(images_of_other_sizes_are_refused),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(an_image_is_letters_in_a_terminal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

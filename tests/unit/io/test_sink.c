@@ -1,5 +1,6 @@
 /* Output appears whole or not at all. */
 #include "core/allowed_places.h"
+#include "core/job.h"
 #include "core/memory.h"
 #include "fields.h"
 #include "io/sink.h"
@@ -133,6 +134,49 @@ static void a_device_that_takes_nothing_is_an_error(void **state)
     assert_non_null(strstr(vv_error_last()->message, "/dev/full"));
 }
 
+static int owns_numbers(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    const char *last = slash ? slash + 1 : name;
+    return strcmp(last, "mark") == 0 ? 2 : strspn(last, "0123456789") == strlen(last);
+}
+
+static void a_name_that_may_not_be_taken_from_others_is_that_of_who_comes_first(void **state)
+{
+    vv_sink *one, *two, *beside;
+    vv_job *job = test_job(1, 0);
+    size_t n;
+    const size_t before = files_in(state);
+    char path[4096], folder[4096];
+    snprintf(path, sizeof path, "%s", io_path(state, "first"));
+    snprintf(folder, sizeof folder, "%s", io_path(state, "numbers"));
+    vvi_job_keep_existing(job);
+    io_ok(vvi_sink_open(&one, path, job));
+    io_ok(vvi_sink_open(&two, path, job));
+    io_ok(vvi_sink_beside(&beside, two, "first.data"));
+    io_ok(vvi_sink_write(one, "one", 4));
+    io_ok(vvi_sink_write(two, "two", 4));
+    io_ok(vvi_sink_commit(one));
+    assert_int_equal(vvi_sink_commit(two), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "first: already exists"));
+    uint8_t *data = io_get(path, &n);
+    assert_string_equal((char *)data, "one");
+    free(data);
+    assert_int_equal(files_in(state), before + 1); /* nor is what belonged to the second left */
+    assert_int_equal(vvi_sink_open(&two, path, job), VV_E_WRITE);
+    io_ok(vvi_sink_open_folder(&one, folder, owns_numbers, job));
+    io_ok(vvi_sink_open_folder(&two, folder, owns_numbers, job));
+    io_ok(vvi_sink_put(one, "mark", "one", 3));
+    io_ok(vvi_sink_put(two, "mark", "two", 3));
+    io_ok(vvi_sink_commit(one));
+    assert_int_equal(vvi_sink_commit(two), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "numbers: already exists"));
+    assert_int_equal(files_in(state), before + 2);
+    assert_int_equal(unlink(path), 0);
+    vvi_sink_remove_folder(folder);
+    vv_job_release(job);
+}
+
 static void a_folder_that_is_not_there_and_a_folder_as_target_are_errors(void **state)
 {
     vv_sink *sink = NULL;
@@ -217,13 +261,6 @@ static void writing_a_field_asks_for_a_known_suffix_format_and_encoding(void **s
     assert_int_equal(access(io_path(state, "a"), F_OK), -1);
     assert_int_equal(access(io_path(state, "a.img"), F_OK), -1);
     vv_field_release(field);
-}
-
-static int owns_numbers(const char *name)
-{
-    const char *slash = strrchr(name, '/');
-    const char *last = slash ? slash + 1 : name;
-    return strcmp(last, "mark") == 0 ? 2 : strspn(last, "0123456789") == strlen(last);
 }
 
 static void a_folder_appears_whole_and_replaces_only_its_like(void **state)
@@ -404,6 +441,22 @@ static void where_files_are_written_in_one_place_alone_nothing_leads_out(void **
     assert_int_equal(access(io_path(state, "outside/x"), F_OK), -1);
     assert_int_equal(access(io_path(state, "root/moved/x"), F_OK), 0);
     assert_int_equal(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job), VV_E_WRITE);
+    assert_int_equal(vvi_sink_open_folder(&sink, io_path(state, "root/sub/y"), owns_numbers, job), VV_E_WRITE);
+    /* a folder neither */
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(rename(moved, link), 0);
+    io_ok(vvi_sink_open_folder(&sink, io_path(state, "root/sub/y"), owns_numbers, job));
+    io_ok(vvi_sink_put(sink, "1", "x", 1));
+    assert_true(rename(link, moved) == 0 && symlink(outside, link) == 0);
+    io_ok(vvi_sink_commit(sink));
+    assert_int_equal(access(io_path(state, "outside/y"), F_OK), -1);
+    assert_int_equal(access(io_path(state, "root/moved/y/1"), F_OK), 0);
+    /* how it is held is nobody's concern */
+    vv_sink *beside;
+    io_ok(vvi_sink_open(&sink, io_path(state, "root/a"), job));
+    assert_int_equal(vvi_sink_beside(&beside, sink, "moved"), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "root/moved: is a folder"));
+    vvi_sink_abandon(sink);
     vv_job_release(job);
 }
 
@@ -415,6 +468,7 @@ int main(void)
         cmocka_unit_test(an_abandoned_file_leaves_the_old_one_and_no_litter),
         cmocka_unit_test(a_full_disk_is_one_sentence_with_path_and_bytes_and_the_old_file_stays),
         cmocka_unit_test(a_device_that_takes_nothing_is_an_error),
+        cmocka_unit_test(a_name_that_may_not_be_taken_from_others_is_that_of_who_comes_first),
         cmocka_unit_test(a_folder_that_is_not_there_and_a_folder_as_target_are_errors),
         cmocka_unit_test(permissions_and_links_stay),
         cmocka_unit_test(coded_parts_between_plain_ones_are_read_back),

@@ -169,7 +169,6 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
             if (spoilt)
                 damage(path, c == VVI_CODING_GZIP ? 8 : 4);
             io_ok(vvi_source_open(&source, path, NULL));
-            vvi_source_distrust(source);
             check_at(source, 0, AT);
             io_ok(vvi_source_hold(source, MANY, &cut));
             assert_int_equal(vvi_source_hold(source, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);
@@ -187,7 +186,6 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
             io_ok(vvi_sink_commit(sink));
             free(bytes);
             io_ok(vvi_source_open(&source, path, NULL));
-            vvi_source_distrust(source);
             io_ok(vvi_source_section(&twice, source, 0, UINT64_MAX, (vvi_coding)c, NULL));
             check_at(twice, 0, AT);
             assert_int_equal(vvi_source_hold(twice, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);

@@ -12,7 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <volvis/measuring.h>
+#include <volvis/about.h>
+#include <volvis/compare.h>
 
 #include <cmocka.h>
 
@@ -461,6 +462,103 @@ static void without_memory_every_kind_fails_in_words(void **state)
     vv_field_release(l);
 }
 
+/* The item of that key; of a number its value. */
+static double number(const vv_answer *a, const char *key)
+{
+    const vv_answer_item *item;
+    for (size_t i = 0; (item = vv_answer_nth(a, i)); i++)
+        if (item->key && strcmp(item->key, key) == 0)
+            return item->kind == VV_ANSWER_NUMBER ? item->value : (double)item->count;
+    fail_msg("there is no '%s'", key);
+    return NAN;
+}
+
+/* A ramp, and the same half a unit higher: 3 + 2 x - y + 0.5 z over [0, 6]^3 goes from -3 to 18. */
+static void what_is_half_a_unit_higher_differs_by_that(void **state)
+{
+    vv_field *a = test_field_cube(&test_form_ramp, 7, 0, 6, NULL), *b = NULL;
+    vv_field_info info = *vv_field_get_info(a);
+    vv_compare_limits limits;
+    vv_answer *answer;
+    bool exceeded;
+    info.value_offset = 0.5;
+    const vv_box all = vv_field_box(a);
+    vv_brick brick;
+    assert_int_equal(vv_field_brick(&brick, a, &all, NULL), VV_OK);
+    assert_int_equal(vv_field_new(&b, &info, brick.data, 0, NULL, NULL, NULL), VV_OK);
+    vv_compare_limits_init(&limits, sizeof limits);
+    limits.max_difference = 0.5;
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, b, &limits, NULL), VV_OK);
+    assert_true(fabs(number(answer, "max_difference") - 0.5) < 1e-12 && fabs(number(answer, "rms") - 0.5) < 1e-12);
+    assert_true(fabs(number(answer, "psnr") - 20 * log10(21 / 0.5)) < 1e-9);
+    assert_true(number(answer, "different_samples") == 343 && number(answer, "identical") == 0 && !exceeded);
+    vv_answer_release(answer);
+    limits.max_difference = 0.499;
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, b, &limits, NULL), VV_OK);
+    assert_true(exceeded && number(answer, "differs") == 1);
+    vv_answer_release(answer);
+    assert_int_equal(vv_compare_fields(&answer, &exceeded, a, a, NULL, NULL), VV_OK);
+    assert_true(!exceeded && number(answer, "identical") == 1 && isinf(number(answer, "psnr")));
+    vv_answer_release(answer);
+    vv_brick_release(&brick);
+    vv_field_release(b);
+    vv_field_release(a);
+    (void)state;
+}
+
+static const char *line(const vv_answer *a, const char *label)
+{
+    const vv_answer_item *item;
+    for (size_t i = 0; (item = vv_answer_nth(a, i)); i++)
+        if (item->kind == VV_ANSWER_LINE && strcmp(item->label, label) == 0)
+            return item->text;
+    fail_msg("there is no line '%s'", label);
+    return NULL;
+}
+
+/* Steps of half a unit along x, turned by a right angle about z. */
+static void a_header_says_where_its_samples_lie(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    vv_answer *answer;
+    char *json;
+    info.grid.dims[0] = 4;
+    info.grid.dims[1] = 5;
+    info.grid.dims[2] = 6;
+    info.type = VV_TYPE_I16;
+    info.grid.index_to_world.axis[0] = (vv_vec3){0, 0.5, 0};
+    info.grid.index_to_world.axis[1] = (vv_vec3){-2, 0, 0};
+    assert_int_equal(vv_about_samples(&answer, &info), VV_OK);
+    assert_true(number(answer, "memory_bytes") == 4 * 5 * 6 * 2 && number(answer, "components") == 1);
+    assert_string_equal(line(answer, "samples"), "4 x 5 x 6 i16, scalar");
+    assert_int_equal(vv_answer_json(&json, answer), VV_OK);
+    assert_non_null(strstr(json, "\"spacing\": [0.5, 2, 1]"));
+    assert_non_null(strstr(json, "[-1, 0, 0]"));
+    free(json);
+    vv_answer_release(answer);
+    (void)state;
+}
+
+static void a_mesh_and_a_world_say_what_they_are(void **state)
+{
+    vv_mesh *mesh = test_mesh_strip(5, 0);
+    vv_object *world = NULL;
+    vv_answer *answer;
+    assert_int_equal(vv_about_mesh(&answer, mesh, NULL), VV_OK);
+    assert_true(number(answer, "closed") == 0 && number(answer, "pieces") == 1 && isnan(number(answer, "volume")));
+    assert_true(fabs(number(answer, "area") - test_mesh_area(mesh)) < 1e-5);
+    vv_answer_release(answer);
+    vv_mesh_release(mesh);
+    assert_int_equal(vv_object_new(&world, &vv_world_class, NULL), VV_OK);
+    assert_int_equal(vv_path_add(&world, "lights", "key", NULL, NULL), VV_OK);
+    assert_int_equal(vv_about_world(&answer, (const vv_world *)(const void *)world), VV_OK);
+    assert_string_equal(line(answer, "lights"), "key");
+    assert_string_equal(line(answer, "volumes"), "none");
+    vv_answer_release(answer);
+    vv_object_release(world);
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -481,6 +579,9 @@ int main(void)
         cmocka_unit_test(threads_change_no_answer),
         cmocka_unit_test(questions_that_make_no_sense_are_refused_in_words),
         cmocka_unit_test(without_memory_every_kind_fails_in_words),
+        cmocka_unit_test(what_is_half_a_unit_higher_differs_by_that),
+        cmocka_unit_test(a_header_says_where_its_samples_lie),
+        cmocka_unit_test(a_mesh_and_a_world_say_what_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -223,6 +223,51 @@ static void angles_are_degrees_outside_and_exact(void **state)
     vv_object_release(world);
 }
 
+static vv_status collect_path(void *user, const char *path)
+{
+    char *all = user;
+    strcat(strcat(all, path), " ");
+    return strcmp(path, "lights.b.intensity") == 0 && all[0] == '!' ? VV_E_CANCELLED : VV_OK;
+}
+
+static void stars_and_numbers_stand_for_entries(void **state)
+{
+    vv_object *world = new_world();
+    char all[512] = "";
+    set(&world, "lights.a", "{\"intensity\": 1}");
+    set(&world, "lights.b", "{\"intensity\": 2}");
+    assert_int_equal(vv_path_expand(world, "lights.*.intensity", collect_path, all), VV_OK);
+    assert_string_equal(all, "lights.a.intensity lights.b.intensity ");
+    strcpy(all, "");
+    assert_int_equal(vv_path_expand(world, "lights.1.intensity", collect_path, all), VV_OK);
+    assert_int_equal(vv_path_expand(world, "lights.7.intensity", collect_path, all), VV_OK);
+    assert_string_equal(all, "lights.b.intensity lights.7.intensity ");
+    strcpy(all, "!");
+    assert_int_equal(vv_path_expand(world, "lights.*.intensity", collect_path, all), VV_E_CANCELLED);
+    assert_int_equal(vv_path_expand(world, "volumes.*.visible", collect_path, all), VV_E_NOT_FOUND);
+    expect_begin("volumes.*.visible: there are no volumes");
+    assert_int_equal(vv_path_expand(world, "unit.*", collect_path, all), VV_E_ARGUMENT);
+    vv_object_release(world);
+    (void)state;
+}
+
+static void a_row_is_found_without_an_object(void **state)
+{
+    const vv_property_context context = vvi_registry_context(NULL);
+    const vv_property *row;
+    const vv_class *cls;
+    assert_int_equal(vv_path_row(&row, &cls, &vv_world_class, "lights.ANY.intensity", &context), VV_OK);
+    assert_string_equal(row->name, "intensity");
+    assert_null(cls);
+    assert_int_equal(vv_path_row(&row, &cls, &vv_world_class, "views.ANY.render.raycast.mode", &context), VV_OK);
+    assert_int_equal(row->kind, VV_KIND_ENUM);
+    assert_int_equal(vv_path_row(&row, &cls, &vv_world_class, "volumes", &context), VV_OK);
+    assert_ptr_equal(cls, row->cls);
+    assert_int_equal(vv_path_row(&row, &cls, &vv_world_class, "lights.ANY.intensty", &context), VV_E_NOT_FOUND);
+    assert_non_null(strstr(vv_error_last()->message, "did you mean 'intensity'"));
+    (void)state;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -236,6 +281,8 @@ int main(void)
         cmocka_unit_test(rows_are_added_to_a_table_and_a_row_alone_needs_no_brackets),
         cmocka_unit_test(a_failed_document_names_the_path),
         cmocka_unit_test(angles_are_degrees_outside_and_exact),
+        cmocka_unit_test(stars_and_numbers_stand_for_entries),
+        cmocka_unit_test(a_row_is_found_without_an_object),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

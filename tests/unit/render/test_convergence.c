@@ -167,7 +167,7 @@ static void take_samples(probe *p, const vv_field *field, bool nearest)
         const vv_vec3 index = vv_affine_point(back, p->at[i]);
         in[0][i] = (float)index.x, in[1][i] = (float)index.y, in[2][i] = (float)index.z;
     }
-    vvi_raycast_kernels_for(vvi_job_cpu(NULL))
+    vvi_ray_kernels_for(vvi_job_cpu(NULL))
         ->sample(out[0], gradient, &hold.lattice, nearest, in[0], in[1], in[2], POINTS);
     for (int i = 0; i < POINTS; i++) { /* grids of these tests are cubes along the axes */
         p->value[i] = (double)out[0][i];
@@ -436,12 +436,12 @@ typedef struct spline {
 static void open_spline(spline *s, const vv_field *field)
 {
     memset(s, 0, sizeof *s);
-    vvi_ray_setup *f = &s->volume.blend.ray;
+    vvi_march_volume *f = &s->volume.blend.ray;
     const int64_t n = vv_field_get_info(field)->grid.dims[0];
     assert_int_equal(vvi_lattice_open_cubic(&s->volume.hold, field, 0, NULL), VV_OK);
-    f->lattice = s->volume.hold.lattice;
+    f->sampler.lattice = s->volume.hold.lattice;
     for (int a = 0; a < 3; a++)
-        f->world_to_index[a][a] = f->world_to_index[a][3] = (double)(n - 1) / 2;
+        f->sampler.world_to_index[a][a] = f->sampler.world_to_index[a][3] = (double)(n - 1) / 2;
     s->volume.blend.cubic = true;
     s->actor.statistics = &s->unused;
     s->volume.actor = &s->actor;

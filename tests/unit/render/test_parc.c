@@ -3,7 +3,7 @@
 #include "fields.h"
 #include "jobs.h"
 #include "ray_scene.h"
-#include "render/raycast/parc.h"
+#include "render/march/parc.h"
 #include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-extern const vvi_raycast_kernels vvi_raycast_kernels_scalar;
+extern const vvi_ray_kernels vvi_ray_kernels_scalar;
 extern const vv_renderer vvi_renderer_raycast;
 
 enum { MOST = 4 };
@@ -407,7 +407,7 @@ static void look_at_all(together *t, uint64_t seed)
 
 static void compare_with_reference(const test_ray_scene *s, const char *cpu, const char *what, const double *want)
 {
-    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_raycast_kernels_scalar);
+    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_ray_kernels_scalar);
     const int n = s->scene.width * s->scene.height;
     int bad = 0;
     double worst = 0;
@@ -586,6 +586,32 @@ static void cubic_surfaces_equal_the_reference_in_every_build(void **state)
         if (round % 2) {
             actor->classes.kind = VV_SEGMENT_THRESHOLD;
             actor->classes.lo = lo + 0.6 * w;
+            actor->classes.hi = lo + 0.8 * w;
+        } else {
+            set(&t.part[0], "mode", "isosurface");
+        }
+        snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
+        compare_all_builds(&t, what);
+        finish(&t);
+    }
+}
+
+/* Isosurfaces and solids in the colours of the volume itself and in those of another. */
+static void painted_surfaces_equal_the_reference_in_every_build(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 16; round++) {
+        const uint64_t seed = test_random(test_seed(), 5500 + round);
+        together t = {0};
+        char what[64];
+        vv_actor *actor = &add_random(&t, types[round % 4], seed)->actor;
+        look_at_all(&t, seed);
+        use_feature(&t, round & 4 ? MAP : COLORS, seed);
+        const double lo = actor->statistics->min, w = actor->statistics->max - lo;
+        actor->iso = lo + 0.6 * w;
+        if (round & 8) {
+            actor->classes.kind = VV_SEGMENT_THRESHOLD;
+            actor->classes.lo = lo + 0.5 * w;
             actor->classes.hi = lo + 0.8 * w;
         } else {
             set(&t.part[0], "mode", "isosurface");
@@ -818,6 +844,7 @@ int main(void)
         cmocka_unit_test(pre_integration_is_on_for_high_quality),
         cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),
         cmocka_unit_test(cubic_surfaces_equal_the_reference_in_every_build),
+        cmocka_unit_test(painted_surfaces_equal_the_reference_in_every_build),
         cmocka_unit_test(a_cubic_surface_of_a_ball_is_where_it_is),
         cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
         cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 /* The same source one lane wide, plain C: built for this test alone. */
-extern const vvi_raycast_kernels vvi_raycast_kernels_scalar;
+extern const vvi_ray_kernels vvi_ray_kernels_scalar;
 
 static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_F32, VV_TYPE_I8, VV_TYPE_F64};
 enum { TYPES = sizeof types / sizeof *types };
@@ -96,7 +96,7 @@ static void random_scene(test_ray_scene *s, const vv_field *field, int mode, uin
 static void compare_with_reference(const test_ray_scene *s, const char *cpu, const char *what, double share,
                                    const double *want)
 {
-    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_raycast_kernels_scalar);
+    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_ray_kernels_scalar);
     const int n = s->scene.width * s->scene.height;
     int bad = 0;
     double worst = 0;
@@ -208,11 +208,11 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
 
 /* Point sampling --------------------------------------------------------------------------------------------------- */
 
-static const vvi_raycast_kernels *build_of(const char *cpu)
+static const vvi_ray_kernels *build_of(const char *cpu)
 {
-    for (size_t i = 0; vvi_raycast_kernels_nth(i); i++)
-        if (strcmp(vvi_raycast_kernels_nth(i)->isa, cpu) == 0)
-            return vvi_raycast_kernels_nth(i);
+    for (size_t i = 0; vvi_ray_kernels_nth(i); i++)
+        if (strcmp(vvi_ray_kernels_nth(i)->isa, cpu) == 0)
+            return vvi_ray_kernels_nth(i);
     fail_msg("no build %s", cpu);
     return NULL;
 }

@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-extern const vvi_raycast_kernels vvi_raycast_kernels_scalar;
+extern const vvi_ray_kernels vvi_ray_kernels_scalar;
 
 /* One texture by itself ----------------------------------------------------------------------------------------------
  */
@@ -327,7 +327,7 @@ static void give_texture(test_ray_scene *s, int kind, vv_image *image)
 
 static void compare(const test_ray_scene *s, const char *cpu, const double *want, const char *what)
 {
-    vv_image *image = cpu ? test_ray_picture(s, cpu, 2) : test_ray_picture_by(s, &vvi_raycast_kernels_scalar);
+    vv_image *image = cpu ? test_ray_picture(s, cpu, 2) : test_ray_picture_by(s, &vvi_ray_kernels_scalar);
     const int n = s->scene.width * s->scene.height;
     int bad = 0;
     double worst = 0;

@@ -87,15 +87,15 @@ static bool at_jump(const sort *s, double stored)
 
 static double error_at(const vvi_raycast_state *state, const vv_classification *classes, const sort *s, double stored)
 {
-    const vvi_ray_setup *f = &state->volume[0].blend.ray;
+    const vvi_march_volume *f = &state->volume[0].blend.ray;
     const float v = (float)stored;
     const int64_t row = vvi_ref_row(f, (double)v);
     double want[4], most = 0;
     vvi_transfer_evaluate(want, classes, stored + s->offset);
     for (int c = 0; c < 3; c++)
-        most = fmax(most, fabs((double)f->color[4 * row + c] - want[c]));
-    most = fmax(most, fabs((double)f->alpha[row] - -expm1(-want[3] * f->step)));
-    return fmax(most, fabs(exp(-(double)f->color[4 * row + 3]) - exp(-want[3] * f->step)));
+        most = fmax(most, fabs((double)f->classifier.color[4 * row + c] - want[c]));
+    most = fmax(most, fabs((double)f->classifier.alpha[row] - -expm1(-want[3] * f->step)));
+    return fmax(most, fabs(exp(-(double)f->classifier.color[4 * row + 3]) - exp(-want[3] * f->step)));
 }
 
 /* Ramps of a few values are met as exactly as ramps of thousands. */

@@ -49,9 +49,8 @@ static const struct {
     {"pad", "{\"all\": 2}", 1},
     {"project", "{\"axis\": \"y\"}", 1},
     {"reorient", "{\"order\": \"zyx\"}", 1},
-    {"rescale", "{\"from\": \"0..97\"}", 1},
     {"resample", "{\"spacing\": \"0.7\"}", 1},
-    {"threshold", "{\"range\": \"40..\"}", 1},
+    {"threshold", "{\"method\": \"otsu\"}", 1},
     {"vesselness", "{\"c\": 20}", 1},
 };
 
@@ -131,7 +130,8 @@ static bool compare_row(const vv_operation *o, vv_job *job)
     const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(world->datasets, "out");
     ok(vvi_made_open(&made, world, dataset, job));
     ok(vvi_made_params(&params, &made, job));
-    const bool local = vvi_made_is_local(&made, params);
+    const bool local = vvi_made_is_local(&made, params, 1);
+    assert_int_equal(vvi_made_is_local(&made, params, 2), local && !(o->looks && o->looks(params)));
     if (local) {
         ok(vv_dataset_field(&whole, world, dataset, NULL, 0, job));
         compare_boxes(&made, params, whole, job);
@@ -174,11 +174,12 @@ static void what_samples_decide_is_not_made_in_boxes(void **state)
     (void)state;
     ok(vv_world_for_field(&world, "in", in, job));
     vv_object *root = &world->base;
-    ok(vv_path_add(&root, "datasets", "out", "{\"operation\": \"rescale\", \"inputs\": {\"volume\": \"in\"}}", NULL));
+    ok(vv_path_add(&root, "datasets", "out", "{\"operation\": \"vesselness\", \"inputs\": {\"volume\": \"in\"}}",
+                   NULL));
     world = (vv_world *)(void *)root;
     ok(vvi_made_open(&made, world, (const vv_dataset *)(const void *)vv_collection_find(world->datasets, "out"), job));
     ok(vvi_made_params(&params, &made, job));
-    assert_false(vvi_made_is_local(&made, params));
+    assert_false(vvi_made_is_local(&made, params, 1));
     ok(vvi_made_run_open(&inputs, made.world, made.dataset, 0, job));
     assert_int_equal(vvi_made_box(&part, &made, &inputs, &box, job), VV_E_UNSUPPORTED);
     assert_non_null(strstr(vv_error_last()->message, "datasets.out"));

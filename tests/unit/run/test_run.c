@@ -457,7 +457,7 @@ static void a_streamed_file_that_shrinks_says_so(void **state)
     vv_file *file = make_large_file(state);
     vvi_lazy_pool *pool;
     vv_field *field;
-    assert_int_equal(vvi_lazy_pool_new(&pool, SIDE * SIDE * SIDE, NULL), VV_OK);
+    assert_int_equal(vvi_lazy_pool_new(&pool, SIDE * SIDE * SIDE, 0, NULL), VV_OK);
     assert_int_equal(vvi_file_stream(&field, file, 0, pool, NULL), VV_OK);
     vv_field_value(field, 0, 0, 0, 0);
     io_ok(vv_field_health(field));

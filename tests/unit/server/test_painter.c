@@ -198,6 +198,101 @@ static void a_picture_at_rest_is_left_for_a_newer_wish(void **state)
     }
 }
 
+static vvi_painted last_frame(studio *s, int slot)
+{
+    for (;;) {
+        vvi_painted p = next_frame(s, slot);
+        if (p.final)
+            return p;
+        vvi_painted_free(&p);
+    }
+}
+
+static vvi_painter_rays rays_of(const studio *s)
+{
+    vvi_painter_rays rays;
+    vvi_painter_count_rays(&rays, s->painter);
+    return rays;
+}
+
+static void edit(studio *s, const char *path, const char *json)
+{
+    vv_object *root = &s->world->base;
+    ok(vv_path_set(&root, path, json, NULL));
+    s->world = (vv_world *)(void *)root;
+}
+
+/* The same picture again: after an edit that it does not show, by a page that has connected again, and once the camera
+ * has come back. Each is the same file, and casts no ray. */
+static void what_a_picture_does_not_depend_on_costs_it_no_ray(void **state)
+{
+    static const struct {
+        const char *path, *json;
+        int slot;
+        bool other;
+    } steps[] = {{"title", "\"another name\"", 0, false},
+                 {"views.side", "{\"camera\": {\"azimuth\": 12}}", 0, false},
+                 {"volumes.unseen", "{\"visible\": false}", 0, false},
+                 {"title", "\"by another page\"", 5, false},
+                 {"views.main.camera.azimuth", "12", 5, true},
+                 {"views.main.camera.azimuth", "0", 5, false}};
+    studio *s = *state;
+    edit(s, "views.main.camera.azimuth", "0");
+    want(s, 0, 1, 150, false);
+    vvi_painted first = last_frame(s, 0);
+    const uint64_t each = rays_of(s).cast;
+    assert_true(each >= 150 * 150 && rays_of(s).kept == 0);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        const vvi_painter_rays before = rays_of(s);
+        if (steps[i].slot)
+            vvi_painter_forget(s->painter, 0);
+        edit(s, steps[i].path, steps[i].json);
+        want(s, steps[i].slot, i + 2, 150, false);
+        vvi_painted p = last_frame(s, steps[i].slot);
+        const vvi_painter_rays after = rays_of(s);
+        if (steps[i].other != (after.cast > before.cast) || steps[i].other == (after.kept == before.kept + each))
+            fail_msg("%s: %llu rays", steps[i].path, (unsigned long long)(after.cast - before.cast));
+        if (!steps[i].other && (p.n != first.n || memcmp(p.bytes, first.bytes, p.n) != 0))
+            fail_msg("%s: another picture", steps[i].path);
+        vvi_painted_free(&p);
+    }
+    vvi_painted_free(&first);
+}
+
+/* Left in the middle for a small one. */
+static void a_picture_that_was_left_goes_on_from_where_it_was(void **state)
+{
+    enum { SIDE = 1100 };
+    studio *s = *state;
+    want(s, 0, 1, SIDE, false);
+    vvi_painted p = last_frame(s, 0), first = p;
+    vvi_painter_forget(s->painter, 0);
+    edit(s, "views.main.camera.azimuth", "25");
+    want(s, 0, 2, SIDE, false);
+    p = next_frame(s, 0);
+    vvi_painted_free(&p);
+    edit(s, "views.main.camera.azimuth", "35");
+    want(s, 0, 3, 16, false);
+    p = last_frame(s, 0);
+    vvi_painted_free(&p);
+    const vvi_painter_rays before = rays_of(s);
+    edit(s, "views.main.camera.azimuth", "25");
+    want(s, 0, 4, SIDE, false);
+    p = last_frame(s, 0);
+    const vvi_painter_rays after = rays_of(s);
+    assert_true(after.kept > before.kept);
+    assert_int_equal(p.commit, 4);
+    vvi_painter_free(s->painter); /* nothing is kept */
+    ok(vvi_painter_new(&s->painter, vv_job_runtime(s->job), ignore, NULL));
+    want(s, 0, 5, SIDE, false);
+    vvi_painted unbroken = last_frame(s, 0);
+    assert_true(rays_of(s).kept == 0 && rays_of(s).cast == after.cast - before.cast + after.kept - before.kept);
+    assert_true(p.n == unbroken.n && memcmp(p.bytes, unbroken.bytes, p.n) == 0);
+    vvi_painted_free(&p);
+    vvi_painted_free(&first);
+    vvi_painted_free(&unbroken);
+}
+
 static void what_is_forgotten_while_it_is_rendered_leaves_nothing(void **state)
 {
     studio *s = *state;
@@ -371,6 +466,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_thin_line_gets_a_picture_at_rest_that_it_carries, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_frame_that_moves_is_not_cancelled_by_the_next_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_a_picture_does_not_depend_on_costs_it_no_ray, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_picture_that_was_left_goes_on_from_where_it_was, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
         cmocka_unit_test_setup_teardown(frames_that_take_long_are_fewer, set_up, tear_down),

@@ -1,19 +1,19 @@
 /** The Filter menu: all operations by groups, found by their words; what does not fit the data says why. */
 import { useRef, useState } from "preact/hooks";
 import { Icon } from "../icons";
-import { sentence } from "../inspector/properties";
 import type { Operation } from "../protocol";
 import { findBest } from "../search";
 import * as store from "../store";
 import { closeDialog, Modal } from "../ui/dialog";
-import { label, titleOf, valueAt } from "../values";
+import { label, sentence, titleOf, valueAt } from "../values";
 import { begin, hindrance } from "./state";
+import { inPanel } from "./words";
 
 const ALL = 1000;
 
 /** Up to the first stop: the rest is in the panel. */
-function shortDoc(doc: string): string {
-  return sentence(doc.split(/[;:]/)[0]!.trim());
+function shortDoc({ doc, ...operation }: Operation): string {
+  return inPanel(doc.split(/[;:]/)[0]!.trim(), { doc, ...operation }, []);
 }
 
 function Entry({ operation, after }: { operation: Operation; after?: string }) {
@@ -27,7 +27,7 @@ function Entry({ operation, after }: { operation: Operation; after?: string }) {
     <li>
       <button type="button" class="filter-entry" aria-disabled={why !== "" || undefined} onClick={choose}>
         <span class="filter-name">{label(operation.name)}</span>
-        <span class="filter-doc">{why ? sentence(why) : shortDoc(operation.doc)}</span>
+        <span class="filter-doc">{why ? sentence(why) : shortDoc(operation)}</span>
       </button>
     </li>
   );
@@ -37,7 +37,7 @@ export function FilterMenu({ after }: { after?: string }) {
   const [query, setQuery] = useState("");
   const body = useRef<HTMLDivElement>(null);
   const operations = store.welcome.value?.operations ?? [];
-  const found = query ? findBest(query, operations, (row) => [label(row.name), `${row.group} ${row.doc}`], ALL) : operations;
+  const found = query ? findBest(query, operations, (row) => [label(row.name), `${row.name} ${row.group} ${row.doc}`], ALL) : operations;
   const groups = [...new Set((query ? found : operations).map((row) => row.group))];
   const shown = store.currentVolume.value ? store.datasetOf(store.currentVolume.value) : null;
   const entries = () => [...(body.current?.querySelectorAll<HTMLElement>(".filter-entry") ?? [])];

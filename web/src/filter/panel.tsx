@@ -1,17 +1,19 @@
 /** The panel of an operation, in the inspector's place: its inputs and parameters, and what the preview shows. */
+import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { copyText } from "../actions";
-import { Properties, sentence } from "../inspector/properties";
+import { Properties } from "../inspector/properties";
 import type { Operand } from "../protocol";
-import { ask, edit, tryAsk } from "../session";
+import { ask, edit, fetchHistogram, fetchInfo, tryAsk } from "../session";
 import * as store from "../store";
 import { IconButton, Select, Switch } from "../ui/controls";
-import { formatBytes, formatNumber, formatSeconds, freeName, label, titleOf, valueAt } from "../values";
-import { insertStep } from "./chain";
-import { change, hindrance, isComplete, plan, previewOn, previews, recipe, request, setParameter, waiting, type Plan, type Preview } from "./state";
+import { formatBytes, formatNumber, formatSeconds, freeName, label, sentence, titleOf, valueAt } from "../values";
+import { chainOf, insertStep } from "./chain";
+import { startOf } from "./start";
+import { change, hindrance, isComplete, LETTERS, freshStep, plan, previewOn, previews, recipe, request, setParameter, tables, waiting, type Plan, type Preview } from "./state";
+import { inPanel } from "./words";
 
 const NONE = "";
-const LETTERS = "abcdefghijklmnop";
 
 function options(operand: Operand) {
   return store.datasetsFor(operand).map((id) => ({ value: id, text: titleOf(valueAt(store.world.value, `datasets.${id}`), id) }));
@@ -31,13 +33,17 @@ function InputRow({ name, operand, value, optional, onChange }: { name: string; 
 function NamedInputs({ of, operand }: { of: Plan; operand: Operand }) {
   const names = Object.keys(of.inputs);
   const next = [...LETTERS].find((letter) => !names.includes(letter));
+  const give = (name: string, id: string) => {
+    const { [name]: _, ...others } = of.inputs;
+    change({ inputs: id === NONE ? others : { ...of.inputs, [name]: id } });
+  };
   return (
     <>
       {names.map((name) => (
-        <InputRow key={name} name={name} operand={operand} value={of.inputs[name] ?? NONE} onChange={(id) => change({ inputs: { ...of.inputs, [name]: id } })} />
+        <InputRow key={name} name={name} operand={operand} value={of.inputs[name] ?? NONE} optional={names.length > Math.max(1, operand.least)} onChange={(id) => give(name, id)} />
       ))}
       {next && names.length < operand.most ? (
-        <button type="button" class="button button-small" onClick={() => change({ inputs: { ...of.inputs, [next]: options(operand)[0]?.value ?? NONE } })}>Add input {next}</button>
+        <button type="button" class="button button-small" onClick={() => give(next, options(operand)[0]?.value ?? NONE)}>Add input {next}</button>
       ) : null}
     </>
   );
@@ -84,7 +90,7 @@ function PreviewState({ of }: { of: Plan }) {
         <span id="preview-on-label">Preview</span>
         <Switch id="preview-on" on={previewOn.value} onChange={(on) => { previewOn.value = on; }} />
       </div>
-      {flawed ? <p class="row-error" role="alert">{sentence(refusal.replace(/^parameters\./, ""))}</p> : null}
+      {flawed ? <p class="row-error" role="alert">{inPanel(refusal, of.operation, store.classes.value[of.operation.class]?.properties ?? [])}</p> : null}
       {large ? (
         <p class="preview-note">
           {label(of.operation.name)} looks at all samples at once: about {formatBytes(large.bytes)}{large.seconds == null ? null : ` and ${formatSeconds(large.seconds)}`}.{" "}
@@ -108,13 +114,53 @@ async function apply(of: Plan): Promise<string> {
   if (!of.inserts) {
     const { dataset, note } = await ask<{ dataset: string; note?: string }>({ type: "run", ...request(of) });
     if (note) store.notify("info", note);
+    await told(dataset);
     return dataset;
   }
   const id = freeName(store.idsOf("datasets"), of.operation.name);
-  const edits = insertStep({ world: store.world.value, operations: store.welcome.value!.operations, classes: store.classes.value }, of.dataset, id, recipe(of));
+  const edits = insertStep(tables(), of.dataset, id, recipe(of));
   if (typeof edits === "string") throw new Error(edits);
   await edit(...edits);
+  await told(id);
   return id;
+}
+
+/** The World is told after the answer. */
+function told(dataset: string): Promise<void> {
+  return new Promise((resolve) => {
+    const stop = effect(() => {
+      if (store.idsOf("datasets").includes(dataset)) queueMicrotask(() => { stop(); resolve(); });
+    });
+  });
+}
+
+/** Where people look at a new step: where they looked before, if it is in the pipeline there, else at the volume that shows what is made with it. */
+function whereSeen(dataset: string): string {
+  const isIn = (id: string | null | undefined) => id != null && chainOf(tables(), id).steps.some((step) => step.id === dataset);
+  const [map, id] = store.selection.value.split(".");
+  const volumes = store.volumeIds.value.filter((volume) => isIn(store.datasetOf(volume)));
+  if ((map === "datasets" && isIn(id)) || (map === "volumes" && volumes.includes(id!))) return store.selection.value;
+  return map === "datasets" || !volumes.length ? `datasets.${dataset}` : `volumes.${volumes[0]}`;
+}
+
+/** Where nothing would be seen without a parameter, one is there that the data propose. */
+function useStart(of: Plan): void {
+  const volume = store.currentVolume.value;
+  const isShown = volume !== null && store.datasetOf(volume) === of.dataset;
+  const histogram = isShown ? store.histograms.value[volume] : undefined;
+  useEffect(() => {
+    if (isShown) void fetchHistogram(volume);
+    void fetchInfo(of.dataset);
+  }, [of.dataset]);
+  const info = store.dataInfos.value[of.dataset];
+  useEffect(() => {
+    if (Object.keys(of.parameters).length || info === undefined) return;
+    const start = startOf(of.operation.name, {
+      histogram: histogram && typeof histogram !== "string" ? histogram : null, crossHair: store.crossHair.value,
+      orientation: typeof info === "string" ? "" : String(info["orientation"] ?? ""),
+    });
+    if (Object.keys(start).length) change({ parameters: start });
+  }, [of.operation.name, histogram === undefined, info === undefined]);
 }
 
 /** The focus goes to the first field, and back when the panel is closed. */
@@ -135,13 +181,16 @@ export function FilterPanel() {
   const [busy, setBusy] = useState(false);
   const why = hindrance(of.operation, of.dataset);
   const ready = isComplete(of) && !busy && !store.readOnly.value;
+  const words = (text: string) => inPanel(text, of.operation, store.classes.value[of.operation.class]?.properties ?? []);
+  useStart(of);
   const run = () => {
     setBusy(true);
     setError("");
     apply(of).then((dataset) => {
       if (plan.value?.operation !== of.operation) return; // people have gone on meanwhile
       plan.value = null;
-      store.selection.value = `datasets.${dataset}`;
+      freshStep.value = dataset;
+      store.selection.value = whereSeen(dataset);
     }, (problem: Error) => setError(problem.message)).finally(() => setBusy(false));
   };
   const copy = () => void tryAsk<{ text: string }>({ type: "command", ...request(of) }).then((value) => { if (value) void copyText(value.text); });
@@ -152,13 +201,13 @@ export function FilterPanel() {
         <IconButton icon="close" label="Close" onClick={() => { plan.value = null; }} />
       </header>
       <div ref={body} class="inspector-body" key={of.operation.name}>
-        <p class="doc filter-panel-doc">{sentence(of.operation.doc)}</p>
+        <p class="doc filter-panel-doc">{words(of.operation.doc)}</p>
         <InputRows of={of} />
         <Properties path="" className={of.operation.class} base={{ get: (name) => of.parameters[name], set: setParameter }} />
         <PreviewState of={of} />
       </div>
       <footer class="filter-foot">
-        {error ? <p class="row-error" role="alert">{sentence(error)}</p> : null}
+        {error ? <p class="row-error" role="alert">{words(error)}</p> : null}
         {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it. The preview shows this step alone.</p> : null}
         <div class="filter-buttons">
           <button type="button" class="button" disabled={!isComplete(of)} onClick={copy}>Copy command</button>

@@ -1,16 +1,16 @@
 /** How a dataset came about, as a list that can be edited: steps are switched off, moved, put between others and removed. */
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { copyText } from "../actions";
+import { datasetOf, reasonOf } from "../failure";
 import { Icon } from "../icons";
-import { Properties, sentence } from "../inspector/properties";
+import { Properties } from "../inspector/properties";
 import { tryEdit } from "../session";
 import * as store from "../store";
 import { IconButton, Switch } from "../ui/controls";
-import { label, titleOf, valueAt } from "../values";
+import { label, sentence, titleOf, valueAt } from "../values";
 import type { Edit } from "../protocol";
-import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step, type Tables } from "./chain";
-
-const tables = (): Tables => ({ world: store.world.value, operations: store.welcome.value?.operations ?? [], classes: store.classes.value });
+import { freshStep, tables } from "./state";
+import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step } from "./chain";
 
 /** Edits, or why there are none. */
 function take(edits: Edit[] | string): boolean {
@@ -32,6 +32,8 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   const [over, setOver] = useState(false);
   const operation = tables().operations.find((row) => row.name === step.operation);
   const name = label(step.operation);
+  const failure = store.failed.value;
+  const why = failure && datasetOf(failure) === step.id ? reasonOf(failure) : "";
   const fixed = store.readOnly.value;
   const move = (to: number) => take(moveStep(tables(), chain, at, to));
   const remove = () => {
@@ -41,7 +43,7 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   };
   return (
     <li
-      class={`step ${step.on ? "" : "step-off"} ${over ? "step-over" : ""}`} draggable={!fixed && chain.steps.length > 1}
+      class={`step ${step.on ? "" : "step-off"} ${why ? "step-failed" : ""} ${over ? "step-over" : ""}`} draggable={!fixed && chain.steps.length > 1}
       onDragStart={(event) => event.dataTransfer?.setData("text/x-volvis-step", String(at))}
       onDragOver={(event) => { if (event.dataTransfer?.types.includes("text/x-volvis-step")) { event.preventDefault(); event.stopPropagation(); setOver(true); } }}
       onDragLeave={() => setOver(false)}
@@ -69,6 +71,7 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
         <span class="hidden" id={`step-${step.id}-label`}>{name} is applied</span>
         <Switch id={`step-${step.id}`} on={step.on} disabled={fixed} onChange={(on) => tryEdit(on ? { op: "unset", path: `datasets.${step.id}.on` } : { op: "set", path: `datasets.${step.id}.on`, value: false })} />
       </div>
+      {why ? <p class="row-error">Cannot be made: {why}</p> : null}
       {open ? (
         <div class="step-body">
           {operation ? <Properties path={`datasets.${step.id}.parameters`} className={operation.class} /> : null}
@@ -85,10 +88,16 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   );
 }
 
-/** Which step is open: the one that is looked at, until another is chosen. */
+/** Which step is open: a new one, else the one that is looked at, until another is chosen. */
 export function Pipeline({ dataset }: { dataset: string }) {
   const chain = chainOf(tables(), dataset);
   const [opened, setOpened] = useState<string | null>(dataset);
+  const fresh = freshStep.value;
+  useEffect(() => {
+    if (!fresh || !chain.steps.some((step) => step.id === fresh)) return;
+    setOpened(fresh);
+    freshStep.value = null;
+  }, [fresh]);
   if (!chain.steps.length) return null;
   return (
     <section class="pipeline" aria-label="Pipeline">

@@ -3,6 +3,7 @@ import type { Signal } from "@preact/signals";
 import type { TargetedPointerEvent } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import * as store from "../store";
+import { label } from "../values";
 import { asked, previewOn, previews, request, waiting, wipe, type Plan, type Preview } from "./state";
 
 type Ask = (message: { type: string; [name: string]: unknown }) => Promise<Preview>;
@@ -23,6 +24,7 @@ function usePreview(viewport: string, ask: Ask, of: Plan | null, at: string, sti
     }
     if (!still) return;
     let isNewest = true;
+    if (typeof previews.peek()[viewport] === "string") keep(viewport, null); // it was of what is changed now
     const take = (value: Preview | string) => {
       if (!isNewest) return;
       keep(viewport, value);
@@ -66,17 +68,21 @@ function Divider() {
   );
 }
 
+/** Slices do not show it. */
+const makesMesh = (of: Plan | null): boolean => of?.operation.gives === "mesh";
+
 /** at: changes with everything that the view shows; still: nothing of it is on its way. */
 export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: string; ask: Ask; frame: number; still: boolean }) {
   const image = useRef<HTMLImageElement>(null);
-  const wanted = asked.value;
+  const wanted = viewport !== "navigator" && makesMesh(asked.value) ? null : asked.value;
   const preview = usePreview(viewport, ask, wanted, `${frame}`, still);
   const share = wipe.value;
   useLayoutEffect(() => image.current?.style.setProperty("--wipe", String(share)));
   if (!preview?.picture || !previewOn.value) return null;
   return (
     <div class="preview" data-preview={viewport}>
-      <img ref={image} class="preview-after" src={preview.picture} alt={`${wanted!.operation.name}, a preview`} draggable={false} />
+      {preview.input ? <img class="preview-before" src={preview.input} alt={`Before ${label(wanted!.operation.name)}`} draggable={false} /> : null}
+      <img ref={image} class="preview-after" src={preview.picture} alt={`${label(wanted!.operation.name)}, a preview`} draggable={false} />
       {share > 0.12 ? <span class="preview-word preview-word-before" aria-hidden="true">Before</span> : null}
       {share < 0.88 ? <span class="preview-word preview-word-after" aria-hidden="true">After</span> : null}
       <Divider />
@@ -86,6 +92,6 @@ export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: stri
 
 /** Of the Navigator, while no slices are there to be looked at. */
 export function NavigatorPreview({ ask, outdated }: { ask: Ask; outdated: Signal<boolean> }) {
-  if (!asked.value || store.layout.value === "slices") return null;
-  return <PreviewOverlay viewport="navigator" ask={ask} frame={store.frame.value?.number ?? 0} still={store.isFinal.value && !outdated.value && store.pose.value?.moving !== true} />;
+  if (!asked.value || (store.layout.value === "slices" && !makesMesh(asked.value))) return null;
+  return <PreviewOverlay viewport="navigator" ask={ask} frame={store.frame.value?.number ?? 0} still={((store.isFinal.value && !outdated.value) || store.failed.value !== null) && store.pose.value?.moving !== true} />;
 }

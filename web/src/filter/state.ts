@@ -3,6 +3,7 @@ import { effect, signal } from "@preact/signals";
 import type { Json, JsonObject, Operation } from "../protocol";
 import * as store from "../store";
 import { flawOf } from "../values";
+import type { Tables } from "./chain";
 
 /** Datasets by the names of inputs. */
 export type Inputs = { [name: string]: string };
@@ -27,6 +28,8 @@ export interface Preview {
   /** That the whole takes about, where that is known. */
   seconds?: number;
   picture?: string;
+  /** What it is made of, where the view shows something else. */
+  input?: string;
   lo?: number[];
   n?: number[];
   dims?: number[];
@@ -34,6 +37,8 @@ export interface Preview {
   before?: number;
   after?: number;
 }
+
+export const tables = (): Tables => ({ world: store.world.value, operations: store.welcome.value?.operations ?? [], classes: store.classes.value });
 
 export const plan = signal<Plan | null>(null);
 /** The plan as it was when hands had been still for a moment: that is what is asked for. */
@@ -44,6 +49,11 @@ export const waiting = signal(0);
 /** The part of a picture that is shown as it is: what is right of it is the preview. */
 export const wipe = signal(0.4); // beside the cross-hair, which is in the middle at first
 export const previewOn = signal(true);
+/** The dataset of a step that has just been made: the pipeline opens it. */
+export const freshStep = signal<string | null>(null);
+
+/** What inputs are called that people may name as they like. */
+export const LETTERS = "abcdefghijklmnopqrstuvwxyz";
 
 const STILL_MS = 120;
 
@@ -69,7 +79,7 @@ function firstInputs(operation: Operation, dataset: string): Inputs {
   const inputs: Inputs = {};
   operation.inputs.forEach((operand, i) => {
     const fit = store.datasetsFor(operand);
-    if (operand.named) for (let n = 0; n < Math.max(1, operand.least); n++) inputs["abcdefgh"[n]!] = n === 0 ? dataset : (fit.find((id) => id !== dataset) ?? dataset);
+    if (operand.named) for (let n = 0; n < Math.max(1, operand.least); n++) inputs[LETTERS[n]!] = n === 0 ? dataset : (fit.find((id) => id !== dataset) ?? dataset);
     else if (i > 0 && operand.least > 0) inputs[operand.name] = fit.find((id) => id !== dataset) ?? dataset;
   });
   return inputs;

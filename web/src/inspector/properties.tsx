@@ -6,7 +6,7 @@ import type { Property } from "../protocol";
 import { tryEdit } from "../session";
 import * as store from "../store";
 import { Fold, IconButton } from "../ui/controls";
-import { acts, isObject, join, label, valueAt } from "../values";
+import { acts, isObject, join, label, sentence, valueAt } from "../values";
 import { PropertyRow } from "./property_row";
 
 /** Which groups are open, by class path without ids, so that it is the same for the next volume. */
@@ -44,11 +44,6 @@ export function Group({ path, row, open }: { path: string; row: Property; open?:
       {row.kind === "list" ? <List path={path} row={row} /> : <Properties path={path} className={row.class!} />}
     </Fold>
   );
-}
-
-/** Docs of tables are lines without capital and full stop. */
-export function sentence(doc: string): string {
-  return doc ? doc.charAt(0).toUpperCase() + doc.slice(1) + (doc.endsWith(".") ? "" : ".") : "";
 }
 
 function List({ path, row }: { path: string; row: Property }) {

@@ -6,10 +6,10 @@ import type { Json, Property } from "../protocol";
 import { edit, Gesture } from "../session";
 import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
-import { flawOf, formatNumber, label, parseEntry, parseLabel, parseRow, sliderScale, titleOf, unitOf, valueAt } from "../values";
+import { flawOf, formatNumber, label, parseEntry, parseLabel, parseRow, sentence, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
 import { cutPlaneScale, valueScale, voxelScale } from "./data_scales";
-import { sentence, type ParameterStore } from "./properties";
+import type { ParameterStore } from "./properties";
 
 interface RowContext {
   id: string;
@@ -37,7 +37,7 @@ interface RowContext {
 function automaticText(row: Property, worked: Json | undefined, unit: string): string {
   if (typeof worked === "number") return `automatic: ${formatNumber(worked)}${unit ? ` ${unit}` : ""}`;
   if (typeof worked === "string") return `automatic: ${worked}`;
-  if (row.automatic) return "automatic";
+  if (row.automatic) return row.kind === "string" || row.kind === "number" || row.kind === "integer" || row.kind === "numbers" ? row.automatic : "automatic";
   if (typeof row.default === "number") return formatNumber(row.default);
   return typeof row.default === "string" ? row.default : "";
 }
@@ -172,7 +172,7 @@ function StringControl(c: RowContext) {
   if (row.name === "colormap" || row.name === "preset") return <ColormapField context={c} />;
   if (row.table === "renderers") return <Choice {...c} names={(store.welcome.value?.renderers ?? []).map((r) => r.name)} />;
   return (
-    <TextField id={c.id} value={typeof c.set === "string" ? c.set : ""} placeholder={c.placeholder} disabled={c.disabled} invalid={!!c.error}
+    <TextField id={c.id} live={c.isParameter} value={typeof c.set === "string" ? c.set : ""} placeholder={c.placeholder} disabled={c.disabled} invalid={!!c.error}
       describedBy={c.describedBy} onCommit={(text) => c.commit(text === "" ? undefined : text)} />
   );
 }

@@ -57,7 +57,7 @@ export function Detail() {
     if (svg) saveText(svg, `${title}.svg`, "image/svg+xml");
   };
   return (
-    <section class="measure-detail" aria-label={`Measurement ${title}`}>
+    <section class="measure-detail" tabIndex={0} aria-label={`Measurement ${title}`}>
       <header class="measure-detail-head">
         <h3>{title}</h3>
         {csv ? <IconButton icon="save" label="Save data as CSV" onClick={csv} /> : null}

@@ -2,6 +2,7 @@
 import type { Pick } from "../protocol";
 import type { Vec3 } from "../slices/geometry";
 import * as store from "../store";
+import type { Frame } from "./regions";
 import { draft, finish, hover, isOpen, place, takeBack, takeTool, tool } from "./room";
 
 /** A viewport: what is at a place of it, from 0 to 1 from the top left. */
@@ -10,6 +11,8 @@ export interface Target {
   /** Exactly, in a slice; null where only what is seen has a place. */
   at(x: number, y: number): Vec3 | null;
   pick(x: number, y: number): Promise<Pick | null>;
+  /** Of a slice: its plane, to draw in. */
+  frame?(): Frame | null;
   /** Where keys place points. */
   middle(): [number, number];
 }
@@ -21,7 +24,7 @@ export function press(target: Target, x: number, y: number): void {
   order = order.then(async () => {
     const seen = await target.pick(x, y);
     const there = at ?? (seen?.hit ? (seen.position as Vec3 | null) : null);
-    if (there) place(there, seen);
+    if (there) place(there, seen, target.frame?.() ?? null);
     else store.notify("info", "Nothing is seen there: points are placed on what is seen, or in slices.");
   });
 }
@@ -34,8 +37,23 @@ const NEAR = 6; // pixels
 
 /** A press, and the release of the same hand: a drag of some length gives the other end, too. */
 export function release(target: Target, from: [number, number], to: [number, number], size: [number, number]): void {
-  const moved = Math.hypot((to[0] - from[0]) * size[0], (to[1] - from[1]) * size[1]);
-  if (moved > NEAR && tool.value) press(target, ...to);
+  const drawn = traced !== null;
+  traced = null;
+  if (tool.value && drawn) order = order.then(finish);
+  else if (tool.value && far(from, to, size) > NEAR) press(target, ...to);
+}
+
+const far = (a: [number, number], b: [number, number], size: [number, number]): number => Math.hypot((b[0] - a[0]) * size[0], (b[1] - a[1]) * size[1]);
+
+/** Where the outline that is drawn in one go has its last corner. */
+let traced: [number, number] | null = null;
+
+/** A hand that goes on from where it was pressed draws an outline. */
+export function trace(target: Target, from: [number, number], to: [number, number], size: [number, number]): void {
+  const at = target.at(...to);
+  if (tool.value?.takes !== "polygon" || !at || far(traced ?? from, to, size) < NEAR) return;
+  traced = to;
+  order = order.then(() => place(at, null, target.frame?.() ?? null));
 }
 
 /** The viewport that has the focus, for keys. */

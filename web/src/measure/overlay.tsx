@@ -1,5 +1,5 @@
 /** What is being drawn, and handles of what is there, over a viewport. What is finished, the server's pictures show. */
-import type { TargetedKeyboardEvent, TargetedPointerEvent } from "preact";
+import type { JSX, TargetedKeyboardEvent, TargetedPointerEvent } from "preact";
 import { useRef } from "preact/hooks";
 import type { Pose } from "../protocol";
 import type { Vec3 } from "../slices/geometry";
@@ -7,7 +7,8 @@ import * as store from "../store";
 import { formatNumber } from "../values";
 import { angleOf, lengthOf, project } from "./geometry";
 import type { Target } from "./hands";
-import { draft, hover, isOpen, Move, pointsOf, rows, selected, tool } from "./room";
+import { extentOf, isFlat, type Drawn, type Frame } from "./regions";
+import { draft, hover, isOpen, Move, pointsOf, regionKind, rows, selected, tool } from "./room";
 
 interface OverlayProps {
   target: Target;
@@ -28,14 +29,27 @@ function pathOf(points: (Pixel | null)[], closed = false): string {
 }
 
 /** What it would be if the pointer were clicked. */
-function liveText(points: Vec3[]): string {
+function liveText(points: Vec3[], frame: Frame | null): string {
   const of = tool.value;
+  if (of && (isFlat(of.takes) || of.takes === "sphere") && points.length >= of.least) {
+    const { area, radius } = extentOf(of.takes as Drawn, points, frame);
+    return area !== undefined ? `${formatNumber(area)} ${store.lengthUnit.value}²` : radius !== undefined ? `radius ${formatNumber(radius)} ${store.lengthUnit.value}` : "";
+  }
   if (of?.takes !== "points" || points.length < 2) return "";
   if (of.kinds[0] === "angle") return points.length === 3 ? `${formatNumber(angleOf(points as [Vec3, Vec3, Vec3]))}°` : "";
   return `${formatNumber(lengthOf(points))} ${store.lengthUnit.value}`;
 }
 
 const LIVE_ROOM = 100; // pixels
+
+const Spanned = ([x, y]: Pixel, [u, v]: Pixel) => <rect class="measure-line measure-region" x={Math.min(x, u)} y={Math.min(y, v)} width={Math.abs(u - x)} height={Math.abs(v - y)} />;
+/** What two clicks span, as it is seen in a slice. */
+const SHAPES: { [takes: string]: (from: Pixel, to: Pixel) => JSX.Element } = {
+  box: Spanned,
+  rectangle: Spanned,
+  ellipse: ([x, y], [u, v]) => <ellipse class="measure-line measure-region" cx={(x + u) / 2} cy={(y + v) / 2} rx={Math.abs(u - x) / 2} ry={Math.abs(v - y) / 2} />,
+  sphere: ([x, y], [u, v]) => <circle class="measure-line measure-region" cx={x} cy={y} r={Math.hypot(u - x, v - y)} />,
+};
 
 function Draft({ target, toPixel, width, height }: { target: Target; toPixel: (p: Vec3) => Pixel | null; width: number; height: number }) {
   const of = tool.value;
@@ -45,14 +59,14 @@ function Draft({ target, toPixel, width, height }: { target: Target; toPixel: (p
   const pixels = points.map(toPixel);
   const tip: Pixel | null = here ? [here.x * width, here.y * height] : null;
   const first = pixels[0];
-  const isBox = of.takes === "box" && first && tip;
-  const live = here?.at && points.length ? liveText([...points, here.at]) : "";
+  const spans = first && tip ? { from: first, to: tip } : null;
+  const isShape = spans !== null && SHAPES[of.takes] !== undefined;
+  const live = here?.at && points.length ? liveText([...points, here.at], target.frame?.() ?? null) : "";
   return (
     <g aria-hidden="true">
-      {isBox
-        ? <rect class="measure-line measure-region" x={Math.min(first[0], tip[0])} y={Math.min(first[1], tip[1])} width={Math.abs(tip[0] - first[0])} height={Math.abs(tip[1] - first[1])} />
-        : <path class="measure-line" d={pathOf(pixels)} />}
-      {tip && !isBox && pixels.length ? <path class="measure-line measure-band" d={pathOf([pixels[pixels.length - 1]!, tip])} /> : null}
+      {isShape ? SHAPES[of.takes]!(spans.from, spans.to) : <path class="measure-line" d={pathOf(pixels)} />}
+      {tip && !isShape && pixels.length
+        ? <path class="measure-line measure-band" d={pathOf(of.takes === "polygon" && pixels.length > 1 ? [pixels[pixels.length - 1]!, tip, pixels[0]!] : [pixels[pixels.length - 1]!, tip])} /> : null}
       {pixels.map((p, i) => p ? <circle key={i} class="measure-dot" cx={p[0]} cy={p[1]} r={4} /> : null)}
       {tip ? <circle class="measure-tip" cx={tip[0]} cy={tip[1]} r={3} /> : null}
       {tip && live ? <text class="measure-live" x={tip[0] + (tip[0] > width - LIVE_ROOM ? -12 : 12)} y={Math.max(14, tip[1] - 10)} text-anchor={tip[0] > width - LIVE_ROOM ? "end" : "start"}>{live}</text> : null}
@@ -128,10 +142,10 @@ export function MeasureOverlay(p: OverlayProps) {
     const at = project(pose, width / height, point);
     return at && [at[0] * width, at[1] * height];
   };
-  const all = rows.value.filter((row) => row.visible).map((row) => ({ ...row, points: pointsOf(row.id) })).filter((row) => row.points.length);
+  const all = rows.value.filter((row) => row.visible).map((row) => ({ ...row, points: pointsOf(row.id), closed: regionKind(row.id) !== "", around: ["ellipse", "ellipsoid"].includes(regionKind(row.id)) })).filter((row) => row.points.length);
   return (
     <svg class={`measure-overlay ${tool.value ? "measure-busy" : ""}`} width={width} height={height} role="group" aria-label={`Measurements: ${p.target.name}`}>
-      {all.map((row) => row.id === selected.value && row.points.every(isHere) ? <path key={row.id} class="measure-line measure-chosen" aria-hidden="true" d={pathOf(row.points.map(toPixel))} /> : null)}
+      {all.map((row) => row.id === selected.value && row.points.every(isHere) ? <path key={row.id} class={`measure-line ${row.around ? "measure-band" : "measure-chosen"}`} aria-hidden="true" d={pathOf(row.points.map(toPixel), row.closed)} /> : null)}
       {all.flatMap((row) => row.points.map((point, i) => {
         const at = isHere(point) ? toPixel(point) : null;
         return at ? <Handle key={`${row.id} ${i}`} id={row.id} title={row.title} index={i} n={row.points.length} at={at} isSelected={row.id === selected.value} p={p} /> : null;

@@ -50,17 +50,22 @@ export function plotOf(answer: JsonObject): Plot | null {
   return null;
 }
 
+/** The head of a column, with its unit. */
+const head = (name: string, unit: Json | undefined): string => (text(unit) ? `${name} [${text(unit)}]` : name);
+
 /** What is plotted as numbers, or the table of an answer. */
 export function csvOfAnswer(answer: JsonObject): string | null {
   const plot = plotOf(answer);
+  const value = answer["value_unit"];
   if (plot?.what === "curve") {
     const errors = answer["profile_error"] as (number | null)[] | undefined;
-    return csvOf(["distance", "value", "error"], plot.x.map((x, i) => [x, plot.y[i], [errors?.[i]].flat()[0]]));
+    return csvOf([head("distance", answer["unit"]), head("value", value), head("error", value)], plot.x.map((x, i) => [x, plot.y[i], [errors?.[i]].flat()[0]]));
   }
-  if (plot?.what === "steps") return csvOf(["from", "to", "count"], plot.y.map((n, i) => [plot.x[i], plot.x[i + 1], n]));
+  if (plot?.what === "steps") return csvOf([head("from", value), head("to", value), "count"], plot.y.map((n, i) => [plot.x[i], plot.x[i + 1], n]));
   if (plot?.what === "density") {
     const at = ([lo, hi]: [number, number], i: number, n: number) => lo + ((hi - lo) * i) / n;
-    return csvOf(["value_from", "value_to", "gradient_from", "gradient_to", "count"], plot.counts.flatMap((n, i) => {
+    const { value_unit, gradient_unit } = answer["joint"] as JsonObject;
+    return csvOf([head("value_from", value_unit), head("value_to", value_unit), head("gradient_from", gradient_unit), head("gradient_to", gradient_unit), "count"], plot.counts.flatMap((n, i) => {
       const [ix, iy] = [i % plot.nx, Math.floor(i / plot.nx)];
       return n ? [[at(plot.x, ix, plot.nx), at(plot.x, ix + 1, plot.nx), at(plot.y, iy, plot.ny), at(plot.y, iy + 1, plot.ny), n]] : [];
     }));

@@ -5,7 +5,8 @@ import { ask, edit, Gesture, tryAsk, tryEdit } from "../session";
 import type { Vec3 } from "../slices/geometry";
 import * as store from "../store";
 import { freeName, isObject, valueAt } from "../values";
-import { boxBetween, toIndex } from "./geometry";
+import { boxBetween, cross, dot, minus, toIndex } from "./geometry";
+import { handlesOf, isFlat, movedRegion, regionOf, type Frame } from "./regions";
 import { figuresOf, rowOf, type Figure, type Row } from "./rows";
 import { hintOf, toolsOf, type Tool } from "./tools";
 
@@ -20,6 +21,8 @@ export const kindOf = (of: Tool): string => wish.value[of.name] ?? of.kinds[0]!;
 export interface Place {
   at: Vec3;
   seen: Pick | null;
+  /** Of the slice that it is in. */
+  frame: Frame | null;
 }
 export const draft = signal<Place[]>([]);
 /** Where the pointer is: in which viewport, in shares of it, and, in a slice, in the World. */
@@ -84,13 +87,19 @@ export async function measure(measurement: JsonObject): Promise<Answer> {
   return { ...value, figures: figuresOf(value.figures as unknown as Json) };
 }
 
+/** What it is called in the World: as its tool, and its label. */
+function nameOf(of: Tool, measurement: JsonObject): string {
+  if (of.takes === "label") return `label_${measurement["label"]}`;
+  if (of.takes === "nothing") return kindOf(of);
+  return of.takes === "points" ? of.name : of.title.toLowerCase();
+}
+
 /** Asked first: what cannot be measured is told, and does not come into the World. */
-async function add(measurement: JsonObject): Promise<void> {
-  const what = String(measurement["what"]);
+async function add(of: Tool, measurement: JsonObject): Promise<void> {
   pending.value++;
   try {
     const { figures, notes } = await measure(measurement);
-    const id = freeName(store.idsOf("measurements"), what);
+    const id = freeName(store.idsOf("measurements"), nameOf(of, measurement));
     await edit({ op: "add", path: "measurements", id, value: { ...measurement, figures: figures as unknown as Json } });
     store.selection.value = `measurements.${id}`;
     for (const note of notes) store.notify("info", note);
@@ -130,6 +139,13 @@ function measurementOf(of: Tool, places: Place[]): JsonObject | string {
       const box = boxOf(places);
       return typeof box === "string" ? box : { what, ...box };
     }
+    case "rectangle":
+    case "ellipse":
+    case "polygon":
+    case "sphere": {
+      const region = regionOf(of.takes, places.map((place) => place.at), places[0]!.frame);
+      return typeof region === "string" ? region : { what, region, space: "world", ...ofVolume(seen) };
+    }
     case "seed":
       return seen?.hit ? { what, seed: rounded(places[0]!.at), space: "world", ...ofVolume(seen) } : "Nothing is seen there.";
     case "label":
@@ -146,16 +162,26 @@ export function finish(): void {
   const measurement = measurementOf(of, draft.value);
   draft.value = [];
   if (typeof measurement === "string") store.notify("warning", measurement);
-  else void add(measurement);
+  else void add(of, measurement);
 }
 
 const TOO_NEAR = 1e-9;
 
-export function place(at: Vec3, seen: Pick | null): void {
+/** Why a flat region has no corner there. */
+function missesPlane(at: Vec3, frame: Frame | null): string | null {
+  const first = draft.value[0];
+  if (!frame) return "Rectangles, ellipses and polygons are drawn in slices.";
+  const off = first?.frame ? dot(minus(at, first.at), cross(first.frame.right, first.frame.up)) : 0;
+  return Math.abs(off) > TOO_NEAR * (1 + Math.hypot(...at)) ? "All corners lie in one slice: go on where the first one is, or press Escape." : null;
+}
+
+export function place(at: Vec3, seen: Pick | null, frame: Frame | null): void {
   const of = tool.value;
   const last = draft.value[draft.value.length - 1];
-  if (!of || (last && Math.hypot(...at.map((v, i) => v - last.at[i]!)) < TOO_NEAR)) return;
-  draft.value = [...draft.value, { at, seen }];
+  if (!of || (last && Math.hypot(...minus(at, last.at)) < TOO_NEAR)) return;
+  const why = isFlat(of.takes) ? missesPlane(at, frame) : null;
+  if (why) return store.notify("info", why);
+  draft.value = [...draft.value, { at, seen, frame }];
   if (draft.value.length >= of.most) finish();
   else store.announcement.value = hintOf(of, draft.value.length);
 }
@@ -166,41 +192,53 @@ export function takeBack(): void {
 
 export function wholeVolume(of: Tool): void {
   takeTool(null);
-  void add(measurementOf(of, []) as JsonObject);
+  void add(of, measurementOf(of, []) as JsonObject);
 }
 
 // What stands in the World --------------------------------------------------------------------------------------------
 
-/** Its places in the World; none where it has none there. */
-export function pointsOf(id: string): Vec3[] {
-  const object = objectAt(id);
-  const points = object["points"];
-  return object["space"] === "world" && Array.isArray(points) && !isOfFiles(object) ? (points as Vec3[]) : [];
+function placesOf(object: JsonObject): Vec3[] {
+  const { points, region } = object;
+  if (object["space"] !== "world" || isOfFiles(object)) return [];
+  return Array.isArray(points) ? (points as Vec3[]) : isObject(region) ? handlesOf(region) : [];
+}
+
+/** Its places in the World, by which it is moved; none where it has none there. */
+export const pointsOf = (id: string): Vec3[] => placesOf(objectAt(id));
+
+/** Which kind of region it is of; "": of none. */
+export function regionKind(id: string): string {
+  const { region } = objectAt(id);
+  return isObject(region) ? String(region["kind"] ?? "") : "";
 }
 
 /** A drag: its places, and at the end what comes out of them, are one step. */
 export class Move {
   private gesture = new Gesture();
-  private points: Vec3[] | null = null;
+  private moved: JsonObject | null = null;
   constructor(private id: string) {}
 
   to(index: number, at: Vec3): void {
-    const points = (this.points ?? pointsOf(this.id)).map((p, i) => (i === index ? rounded(at) : p));
-    this.points = points;
+    const object = this.moved ?? objectAt(this.id);
+    const { points, region } = object;
+    this.moved = Array.isArray(points)
+      ? { ...object, points: (points as Vec3[]).map((p, i) => (i === index ? rounded(at) : p)) }
+      : { ...object, region: movedRegion(region as JsonObject, index, at) };
     this.gesture.change(this.edit());
   }
 
   get now(): Vec3[] | null {
-    return this.points;
+    return this.moved && placesOf(this.moved);
   }
 
   private edit(): Edit {
-    return { op: "set", path: `measurements.${this.id}.points`, value: this.points! };
+    const name = Array.isArray(this.moved!["points"]) ? "points" : "region";
+    return { op: "set", path: `measurements.${this.id}.${name}`, value: this.moved![name]! };
   }
 
   async end(): Promise<void> {
-    if (!this.points) return;
-    const found = await measure({ ...objectAt(this.id), points: this.points }).catch(() => null);
+    if (!this.moved) return;
+    const found = await measure(this.moved).catch(() => null);
     if (found) this.gesture.change(this.edit(), { op: "set", path: `measurements.${this.id}.figures`, value: found.figures as unknown as Json });
   }
 }

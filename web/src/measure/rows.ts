@@ -53,9 +53,11 @@ export function isSame(a: Figure[], b: Figure[]): boolean {
 export function rowOf(id: string, stored: Json | undefined, now: { figures: Figure[] | null; error: string; busy: boolean }, of: string, main: (kind: string) => string): Row {
   const object: JsonObject = isObject(stored) ? stored : {};
   const kept = figuresOf(object["figures"]);
-  const kind = String(object["what"] ?? "summary");
+  const what = String(object["what"] ?? "summary");
+  const points = object["points"];
+  const kind = what === "distance" && Array.isArray(points) && points.length > 2 ? "polyline" : what; // as its tool is called
   return {
-    id, title: titleOf(object, id), kind, main: main(kind), of, visible: object["visible"] !== false,
+    id, title: titleOf(object, id), kind, main: main(what), of, visible: object["visible"] !== false,
     figures: now.figures ?? (now.error ? [] : kept), error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
   };
 }

@@ -1,10 +1,12 @@
 /** What one measures with: tools are made from the table of kinds. */
 import type { IconName } from "../icons";
 import type { Measure } from "../protocol";
+import { isFlat, type Drawn } from "./regions";
 import { label } from "../values";
 
-/** What the clicks of a tool say: places themselves, corners of a box, a piece, a label; or nothing, all of the volume. */
-export type Takes = "points" | "box" | "seed" | "label" | "nothing";
+/** What the clicks of a tool say: places themselves, a region that is drawn, corners of a box of samples, a piece, a label; or
+ * nothing, all of the volume. */
+export type Takes = "points" | Drawn | "box" | "seed" | "label" | "nothing";
 
 export interface Tool {
   name: string;
@@ -22,11 +24,16 @@ export interface Tool {
 const ICONS: { [name: string]: IconName } = { point: "point", distance: "distance", polyline: "polyline", angle: "angle", profile: "profile", geodesic: "path" };
 const ORDER = ["point", "distance", "polyline", "angle", "profile", "geodesic"];
 
-const OBJECTS: { takes: Exclude<Takes, "points">; title: string; doc: string; icon: IconName; clicks: number; first: string }[] = [
-  { takes: "box", title: "Region", doc: "what lies in a box of samples", icon: "region", clicks: 2, first: "statistics" },
-  { takes: "seed", title: "Piece", doc: "the connected piece that is clicked", icon: "piece", clicks: 1, first: "summary" },
-  { takes: "label", title: "Label", doc: "all that has the label that is clicked", icon: "label", clicks: 1, first: "summary" },
-  { takes: "nothing", title: "Whole volume", doc: "all samples of the volume", icon: "volume", clicks: 0, first: "histogram" },
+/** property: by which a measurement has it. */
+const OBJECTS: { takes: Exclude<Takes, "points">; property: string | null; title: string; doc: string; icon: IconName; clicks: [number, number]; first: string }[] = [
+  { takes: "rectangle", property: "region", title: "Rectangle", doc: "what lies in a rectangle of a slice", icon: "rectangle", clicks: [2, 2], first: "statistics" },
+  { takes: "ellipse", property: "region", title: "Ellipse", doc: "what lies in an ellipse of a slice", icon: "ellipse", clicks: [2, 2], first: "statistics" },
+  { takes: "polygon", property: "region", title: "Polygon", doc: "what lies in an outline of a slice, clicked corner by corner or drawn in one go", icon: "polygon", clicks: [3, Infinity], first: "statistics" },
+  { takes: "sphere", property: "region", title: "Sphere", doc: "what lies in a ball: its middle, then its border", icon: "sphere", clicks: [2, 2], first: "statistics" },
+  { takes: "box", property: "box", title: "Box", doc: "what lies in a box of samples", icon: "region", clicks: [2, 2], first: "statistics" },
+  { takes: "seed", property: "seed", title: "Piece", doc: "the connected piece that is clicked", icon: "piece", clicks: [1, 1], first: "summary" },
+  { takes: "label", property: "label", title: "Label", doc: "all that has the label that is clicked", icon: "label", clicks: [1, 1], first: "summary" },
+  { takes: "nothing", property: null, title: "Whole volume", doc: "all samples of the volume", icon: "volume", clicks: [0, 0], first: "histogram" },
 ];
 
 /** Kinds of volumes that are told by no points, and of which the property says the part. */
@@ -42,8 +49,8 @@ export function toolsOf(measures: Measure[]): Tool[] {
     return row.any_points ? [tool, { ...tool, name: "polyline", title: "Polyline", doc: "the length along several points", icon: "polyline", most: Infinity }] : [tool];
   });
   byPoints.sort((a, b) => (ORDER.indexOf(a.name) + 1 || 99) - (ORDER.indexOf(b.name) + 1 || 99));
-  const ofObjects = OBJECTS.map(({ takes, title, doc, icon, clicks, first }): Tool => ({
-    name: takes, title, doc, icon, takes, least: clicks, most: clicks, kinds: kindsBy(measures, takes === "nothing" ? null : takes, first),
+  const ofObjects = OBJECTS.map(({ takes, property, title, doc, icon, clicks: [least, most], first }): Tool => ({
+    name: takes, title, doc, icon, takes, least, most, kinds: kindsBy(measures, property, first),
   }));
   return [...byPoints, ...ofObjects.filter((tool) => tool.kinds.length > 0)];
 }
@@ -51,9 +58,11 @@ export function toolsOf(measures: Measure[]): Tool[] {
 /** What to do next, in one sentence. */
 export function hintOf(tool: Tool, given: number): string {
   if (tool.takes === "nothing") return "";
-  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator.`;
-  const what = tool.takes === "box" ? "corner" : "point";
+  if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator. Escape puts the tool away.`;
+  const what = tool.takes === "points" ? "point" : "corner";
   const which = ["first", "second", "third"][given] ?? "next";
-  const end = given >= tool.least && tool.most > tool.least ? " Enter or a double click ends the line." : "";
-  return `Click the ${tool.most === 1 ? what : `${which} ${what}`}.${end}${given ? " Backspace takes the last one back." : ""} Escape cancels.`;
+  const end = given >= tool.least && tool.most > tool.least ? ` Enter or a double click ${tool.takes === "polygon" ? "closes the outline" : "ends the line"}.` : "";
+  const next = tool.takes === "sphere" ? (given ? "a place on its border" : "the middle") : tool.most === 1 ? `the ${what}` : `the ${which} ${what}`;
+  const where = isFlat(tool.takes) && !given ? " in a slice" : "";
+  return `Click ${next}${where}, or press Space.${end}${given ? " Backspace takes the last one back, Escape all of them." : " Escape puts the tool away."}`;
 }

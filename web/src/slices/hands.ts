@@ -1,7 +1,7 @@
 /** What pointers and keys do in a slice. */
 import type { RefObject } from "preact";
 import { useEffect } from "preact/hooks";
-import { focusOn, pointAt, press, release, type Target } from "../measure/hands";
+import { focusOn, pointAt, press, release, trace, type Target } from "../measure/hands";
 import { finish, hover, tool } from "../measure/room";
 import * as store from "../store";
 import { endGesture, goToSlice, moveCrossHair, runOf, setWindow, stepSlices, windowNow } from "./edits";
@@ -72,7 +72,12 @@ class Hands {
   private move = (event: PointerEvent): void => {
     const d = this.drag;
     pointAt(this.target, ...this.place(event));
-    if (d?.what === "measure") return;
+    if (d?.what === "measure") {
+      const { clientWidth, clientHeight } = this.area;
+      const [x, y] = this.place(event);
+      trace(this.target, [x - (event.clientX - d.x) / clientWidth, y - (event.clientY - d.y) / clientHeight], [x, y], [clientWidth, clientHeight]);
+      return;
+    }
     if (!d) {
       if (event.shiftKey && !tool.value) this.hairTo(event);
       void this.view.point(...this.place(event));

@@ -11,9 +11,10 @@ import { fetchInfo } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { formatNumber, label } from "../values";
+import { FailureState, pictureClass } from "../view/overlays";
 import { watchSize } from "../view/pixel_size";
 import { datasetOfRuns, endGesture, goToSlice, runOf } from "./edits";
-import { AXIS, PLANES, sliceAt, toPicture, toWorld, type Plane, type Vec3 } from "./geometry";
+import { AXIS, frameOf, PLANES, sliceAt, toPicture, toWorld, type Plane, type Vec3 } from "./geometry";
 import { toggleMaximised, useHands } from "./hands";
 import { SliceView } from "./slice_view";
 
@@ -76,6 +77,7 @@ function targetOf(view: SliceView, size: () => [number, number]): Target {
     name: view.plane,
     at: (x, y) => (view.pose.value && hair() ? toWorld(view.pose.value, aspect(), x, y, hair()!) : null),
     pick: (x, y) => view.ask<Pick>({ type: "pick", x, y }).catch(() => null),
+    frame: () => (view.pose.value ? frameOf(view.pose.value) : null),
     middle: () => (view.pose.value && hair() ? toPicture(view.pose.value, aspect(), hair()!) : [0.5, 0.5]),
   };
 }
@@ -118,11 +120,12 @@ function SliceViewport({ plane }: { plane: Plane }) {
         ref={area} class="viewport slice-area" tabIndex={0} role="application" aria-roledescription="slice"
         aria-label={`${label(plane)} slice: arrow keys step, plus and minus zoom, Enter fills the page`}
       >
-        <canvas ref={canvas} class="picture" role="img" aria-label={`${label(plane)} slice`} />
-        <PreviewOverlay viewport={plane} ask={(message) => view.ask(message)} frame={view.frame.value?.number ?? 0} still={view.isFinal.value && !hidden} />
+        <canvas ref={canvas} class={pictureClass(view.failed.value)} role="img" aria-label={`${label(plane)} slice`} />
+        <PreviewOverlay viewport={plane} ask={(message) => view.ask(message)} frame={view.frame.value?.number ?? 0} still={(view.isFinal.value || view.failed.value !== null) && !hidden} />
         <CrossHair view={view} width={width!} height={height!} />
         <Measures view={view} target={target} width={width!} height={height!} />
       </div>
+      <FailureState failure={view.failed.value} />
       <div class="slice-bar">
         <span class={`slice-name line-${AXES[AXIS[plane]]}`}>{label(plane)}</span>
         <Place plane={plane} />

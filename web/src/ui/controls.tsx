@@ -91,21 +91,32 @@ export function NumberField({ id, label, value, placeholder, unit, step, disable
   );
 }
 
-export function TextField({ id, label, value, placeholder, disabled, invalid, describedBy, onCommit }: {
-  id?: string; label?: string; value: string; placeholder?: string; disabled?: boolean; invalid?: boolean; describedBy?: string;
+const STILL_MS = 400;
+
+/** live: what is typed takes effect as soon as hands are still, too. */
+export function TextField({ id, label, value, placeholder, disabled, invalid, describedBy, live, onCommit }: {
+  id?: string; label?: string; value: string; placeholder?: string; disabled?: boolean; invalid?: boolean; describedBy?: string; live?: boolean;
   onCommit: (text: string) => void;
 }) {
   const [typed, setTyped] = useTyped(value);
+  const timer = useRef(0);
+  useEffect(() => () => clearTimeout(timer.current), []);
   const commit = () => {
+    clearTimeout(timer.current);
     if (typed !== null && typed !== value) onCommit(typed);
     setTyped(null);
+  };
+  const type = (text: string) => {
+    setTyped(text);
+    clearTimeout(timer.current);
+    if (live) timer.current = window.setTimeout(() => onCommit(text), STILL_MS);
   };
   return (
     <span class="field">
       <input
         id={id} type="text" autocomplete="off" spellcheck={false} aria-label={label} aria-invalid={invalid || undefined}
         aria-describedby={describedBy} value={typed ?? value} placeholder={placeholder} disabled={disabled}
-        onInput={(e) => setTyped(e.currentTarget.value)} onBlur={commit} onKeyDown={(e) => e.key === "Enter" && commit()}
+        onInput={(e) => type(e.currentTarget.value)} onBlur={commit} onKeyDown={(e) => e.key === "Enter" && commit()}
       />
     </span>
   );

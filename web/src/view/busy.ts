@@ -8,4 +8,4 @@ const isOwnLast = computed(() => store.pose.value?.moving === false && !making.v
 
 export const isBusy = computed(() =>
   store.connection.value.state !== "open" || store.unheard.value || store.unanswered.value > 0 ||
-  !(shown.value && atRest.value ? isOwnLast.value : store.isFinal.value));
+  !(shown.value && atRest.value ? isOwnLast.value : store.isFinal.value || store.failed.value !== null));

@@ -1,13 +1,33 @@
 /** Words over the picture: how far it is refined, and what was picked. */
+import { datasetOf, reasonOf, type Failure } from "../failure";
 import type { Frame } from "../frames";
+import { Icon } from "../icons";
 import { IconButton } from "../ui/controls";
 import * as store from "../store";
-import { formatNumber } from "../values";
+import { formatNumber, label } from "../values";
 
 const LEVELS = 3;
 
+/** A picture that is older than what it should show. */
+export function pictureClass(failure: Failure | null): string {
+  return failure ? "picture picture-outdated" : "picture";
+}
+
+/** Why there is no newer picture; the one from before stays. */
+export function FailureState({ failure }: { failure: Failure | null }) {
+  if (!failure || store.isEmpty.value) return null;
+  const made = store.valueOf(`datasets.${datasetOf(failure)}.operation`);
+  return (
+    <div class="overlay overlay-failed" title={failure.text}>
+      <Icon name="error" />
+      <span>{typeof made === "string" ? <strong>{label(made)} cannot be made: </strong> : null}{reasonOf(failure).replace(/\.?$/, ".")} The picture is from before.</span>
+    </div>
+  );
+}
+
 /** Reduced detail is always said; the dot is full when nothing better will come. */
-export function RefinementState({ frame, final, name }: { frame: Omit<Frame, "picture"> | null; final: boolean; name: string }) {
+export function RefinementState({ frame, final, failure, name }: { frame: Omit<Frame, "picture"> | null; final: boolean; failure: Failure | null; name: string }) {
+  if (failure) return <FailureState failure={failure} />;
   if (!frame || store.isEmpty.value) return null;
   const share = frame.fullWidth ? Math.round((100 * frame.width) / frame.fullWidth) : 100;
   const state = final ? "final" : frame.moving ? "moving" : "refining";

@@ -1,12 +1,14 @@
 /** A client of its own, with a view of its own in the World: its frames, its size, and coming back. */
 import { batch, computed, signal } from "@preact/signals";
 import { Connection } from "../connection";
+import type { Failure } from "../failure";
 import { drawFrame, Finality, parseFrame, type Frame } from "../frames";
 import type { Json, ServerMessage, StatusMessage } from "../protocol";
 
 export class OwnView {
   readonly frame = signal<Omit<Frame, "picture"> | null>(null);
   private readonly outdated = signal(false);
+  readonly failed = signal<Failure | null>(null);
   readonly isFinal = computed(() => this.frame.value?.final === true && !this.outdated.value);
   readonly status = signal<StatusMessage | null>(null);
   private finality = new Finality();
@@ -52,8 +54,13 @@ export class OwnView {
   protected take(message: ServerMessage): void {
     if (message.type === "status") this.status.value = message;
     if (message.type === "welcome") this.finality.begin();
-    if (message.type === "outdated") this.finality.outdate();
-    if (message.type === "welcome" || message.type === "outdated") this.outdated.value = true;
+    else if (message.type === "outdated") this.finality.outdate();
+    else if (message.type === "failed") this.finality.fail(message);
+    else return;
+    batch(() => {
+      this.outdated.value = true;
+      this.failed.value = this.finality.failure;
+    });
   }
 
   private async draw(buffer: ArrayBuffer): Promise<void> {
@@ -62,8 +69,10 @@ export class OwnView {
     this.finality.take(frame.number);
     await drawFrame(this.canvas, frame).catch(() => {});
     const { picture: _, ...rest } = frame;
+    this.finality.show(rest.number);
     batch(() => {
       this.frame.value = rest;
+      this.failed.value = this.finality.failure;
       this.outdated.value = this.finality.isOutdated(rest.number);
     });
     this.link.send({ type: "ack", frame: frame.number });

@@ -4,7 +4,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { runAction } from "../actions";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
-import { RefinementState } from "./overlays";
+import { pictureClass, RefinementState } from "./overlays";
 import { watchSize } from "./pixel_size";
 import { SecondView } from "./second_view";
 
@@ -29,9 +29,9 @@ export function RenderingViewport() {
   return (
     <section class="viewport-frame rendering" aria-label="Rendering">
       <div ref={area} class="viewport viewport-still">
-        <canvas ref={canvas} class="picture" role="img" aria-label={`Rendering by ${view.status.value?.method ?? "the method of its view"}`} />
+        <canvas ref={canvas} class={pictureClass(view.failed.value)} role="img" aria-label={`Rendering by ${view.status.value?.method ?? "the method of its view"}`} />
       </div>
-      <RefinementState frame={view.frame.value} final={view.isFinal.value} name="Rendering" />
+      <RefinementState frame={view.frame.value} final={view.isFinal.value} failure={view.failed.value} name="Rendering" />
       <div class="overlay overlay-tools">
         <IconButton icon="render" label="Method and quality of this viewport" onClick={settings} />
         <IconButton icon="close" label="Close the Rendering viewport" onClick={() => runAction("split")} />

@@ -15,7 +15,7 @@ import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { AxesGizmo } from "./axes";
 import { LightHandles } from "./light_handle";
-import { Probe, ProbeBar, RefinementState } from "./overlays";
+import { pictureClass, Probe, ProbeBar, RefinementState } from "./overlays";
 import { isBusy } from "./busy";
 import { watchSize } from "./pixel_size";
 
@@ -63,7 +63,7 @@ export function Viewport() {
         ref={area} class="viewport" data-viewport tabIndex={0} role="application" aria-roledescription="picture to be turned"
         aria-label="Navigator" aria-describedby="scene-description"
       >
-        <canvas ref={canvas} class="picture" role="img" aria-busy={isBusy.value} aria-label={store.description.value || "The picture of the scene"} />
+        <canvas ref={canvas} class={pictureClass(store.failed.value)} role="img" aria-busy={isBusy.value} aria-label={store.description.value || "The picture of the scene"} />
         <canvas ref={drawn} class="own-drawing" aria-hidden="true" />
         <NavigatorPreview ask={(message) => ask(message)} outdated={store.outdated} />
         <Probe />
@@ -71,7 +71,7 @@ export function Viewport() {
       <p id="scene-description" class="hidden">
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
-      {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} final={store.isFinal.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
+      {shown.value && !store.failed.value ? <OwnState /> : <RefinementState frame={store.frame.value} final={store.isFinal.value} failure={store.failed.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
       <MeasureNavigator area={area} />
       <LightHandles />
       <AxesGizmo />

@@ -87,8 +87,8 @@ typedef struct vvi_nrrd {
     int sub_dimension; /* 0: not given */
     char content[64], sample_unit[16];
     bool has_measurement_frame;
-    double value_scale, value_offset; /* our own keys */
-    char meaning[16];
+    double value_scale, value_offset, frame_step; /* our own keys */
+    char meaning[16], frame_unit[16];
     bool is_segmentation;  /* Slicer's keys, or suffix */
     bool is_fractional;    /* of segments that are amounts, from Slicer's extensions: no labels */
     vvi_nrrd_names *names; /* NULL: none */

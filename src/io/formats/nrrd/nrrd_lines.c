@@ -136,6 +136,10 @@ static vv_status keep_key(vvi_nrrd *h, const char *key, const char *value, vv_no
         h->value_scale = v;
     else if (strcmp(key, "volvis value offset") == 0 && vvi_parse_number(&v, value) && isfinite(v))
         h->value_offset = v;
+    else if (strcmp(key, "volvis frame step") == 0 && vvi_parse_number(&v, value) && isfinite(v))
+        h->frame_step = v;
+    else if (strcmp(key, "volvis frame unit") == 0)
+        snprintf(h->frame_unit, sizeof h->frame_unit, "%s", value);
     else if (strcmp(key, "volvis meaning") == 0)
         snprintf(h->meaning, sizeof h->meaning, "%.15s", value);
     else if (strcmp(key, "Segmentation_SourceRepresentation") == 0 ||

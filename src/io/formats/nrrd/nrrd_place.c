@@ -270,8 +270,11 @@ static vv_status place(vv_field_info *info, const vvi_nrrd *h, const roles *r, v
     return choose_unit(grid->unit, h, r, placed, notes);
 }
 
+/* Of one time step, what its series said. */
 static vv_status place_time(vv_field_info *info, const vvi_nrrd *h, const roles *r)
 {
+    info->frame_step = h->frame_step;
+    memcpy(info->frame_unit, h->frame_unit, sizeof info->frame_unit);
     for (int a = 0; a < h->dimension; a++) {
         const vvi_nrrd_axis *axis = &h->axis[a];
         if (r->class[a] != TIME)

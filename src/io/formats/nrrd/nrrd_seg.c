@@ -184,7 +184,7 @@ static vv_status join(vv_field **out, making *m, vv_job *job)
     vvi_lazy_pool *pool;
     vv_field_info info = *vv_field_get_info(m->frames[0]);
     info.components = (int)m->n_frames;
-    vv_status st = vvi_lazy_pool_new(&pool, share < most ? share : most, job);
+    vv_status st = vvi_lazy_pool_new(&pool, share < most ? share : most, 0, job);
     if (st != VV_OK)
         return st;
     st = vvi_field_lazy(out, &info, &(vvi_lazy_source){.make = interleave, .user = m}, pool, job);

@@ -112,6 +112,19 @@ static void add_key_number(vvi_text *t, const char *key, double value)
     vvi_text_printf(t, "%s:=%s\n", key, number);
 }
 
+/* A volume of a series has no axis that could say it. */
+static void add_time_of_one(vvi_text *t, const vv_field_info *info)
+{
+    if (info->frame_step == 0 || !isfinite(info->frame_step) || (info->frame_step == 1 && !info->frame_unit[0]))
+        return;
+    add_key_number(t, "volvis frame step", info->frame_step);
+    if (info->frame_unit[0]) {
+        vvi_text_add(t, "volvis frame unit:=");
+        add_clean(t, info->frame_unit);
+        vvi_text_add(t, "\n");
+    }
+}
+
 /* A text that was longer than it is kept here stays what it was. */
 static const char *whole_text(const char *now, const char *then)
 {
@@ -194,6 +207,8 @@ static vv_status build_header(vvi_text *t, const vv_field_info *info, size_t n_f
     vvi_text_printf(t, "encoding: %s\n", encoding);
     vvi_nrrd_take_fields(t, info, options, roles, n_axes);
     add_values(t, info, options);
+    if (!time)
+        add_time_of_one(t, info);
     vvi_nrrd_take_lines(t, VVI_NRRD_KEPT_KEY, info, options);
     vvi_nifti_add_words(t, VVI_NRRD_NIFTI, ":=", info, n_frames, options);
     if (info->meaning == VV_MEANING_LABEL || seg)

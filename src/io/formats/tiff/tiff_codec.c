@@ -68,6 +68,13 @@ static bool decode_deflate(uint8_t *out, size_t n_out, const vvi_tiff_page *p, u
     return true;
 }
 
+/* libtiff stops at the last number and does not look at the checksum behind it. */
+static bool sum_is_wrong(const vvi_tiff_page *p, const uint8_t *coded, size_t n)
+{
+    return (p->compression == VVI_TIFF_DEFLATE || p->compression == VVI_TIFF_OLD_DEFLATE) && p->fill_order != 2 &&
+           !vvi_inflate_is_whole(coded, n);
+}
+
 /* The small file: its head, then the coded bytes, as if they lay in one piece. */
 typedef struct chunk_file {
     uint8_t head[512];
@@ -226,11 +233,14 @@ bool vvi_tiff_decode(void *out, size_t n_out, const vvi_tiff_page *p, uint32_t r
         return false;
     if (p->photometric == VVI_TIFF_YCBCR && p->compression == VVI_TIFF_JPEG)
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-    const bool good = TIFFStripSize(tiff) == (tmsize_t)n_out &&
-                      TIFFReadEncodedStrip(tiff, 0, out, (tmsize_t)n_out) == (tmsize_t)n_out;
+    const bool there = TIFFStripSize(tiff) == (tmsize_t)n_out &&
+                       TIFFReadEncodedStrip(tiff, 0, out, (tmsize_t)n_out) == (tmsize_t)n_out;
+    const bool good = there && !sum_is_wrong(p, coded, n);
     TIFFClose(tiff);
     if (!good && !why[0])
-        snprintf(why, n_why, "a strip or tile has fewer bytes than it should");
+        snprintf(why, n_why,
+                 there ? "a strip or tile is damaged: its data do not get to the checksum that they should have"
+                       : "a strip or tile has fewer bytes than it should");
     return good;
 }
 

@@ -1,0 +1,137 @@
+/** @file
+ * Label maps with smooth borders: of the labels around a point the one with the most trilinear weight. For kernels
+ * only.
+ */
+#ifndef VVI_RENDER_MARCH_BLEND_LABELS_H
+#define VVI_RENDER_MARCH_BLEND_LABELS_H
+#include "render/march/lattice_simd.h"
+
+static __attribute__((noinline)) void corners_of(vf v[8], const vvi_lattice *g, const cell_at *c, vm m)
+{
+    vf(*corner)[2][2] = (vf(*)[2][2])v;
+    switch (vvi_lattice_kernel(g)) {
+    case VVI_SAMPLE_U8:
+        load_corners(g, VVI_SAMPLE_U8, c, m, corner);
+        break;
+    case VVI_SAMPLE_U16:
+        load_corners(g, VVI_SAMPLE_U16, c, m, corner);
+        break;
+    case VVI_SAMPLE_I16:
+        load_corners(g, VVI_SAMPLE_I16, c, m, corner);
+        break;
+    case VVI_SAMPLE_F32:
+        load_corners(g, VVI_SAMPLE_F32, c, m, corner);
+        break;
+    default:
+        load_corners(g, VVI_SAMPLE_WIDE, c, m, corner);
+        break;
+    }
+}
+
+/** Trilinear weights of a cell's corners, x fastest. */
+VV_INLINE void corner_weights(vf w[8], const cell_at *c)
+{
+    const vf one = vf_set1(1.0f);
+    const vf x[2] = {one - c->fx, c->fx}, y[2] = {one - c->fy, c->fy}, z[2] = {one - c->fz, c->fz};
+    for (int i = 0; i < 8; i++)
+        w[i] = x[i & 1] * y[i >> 1 & 1] * z[i >> 2];
+}
+
+/** The stored label; of two with the same weight the smaller. */
+VV_INLINE vf winning_label(const vvi_lattice *g, const vf3 *p, vm m)
+{
+    const cell_at c = find_cell(g, *p);
+    vf v[8], w[8], most = vf_set1(-1.0f);
+    corners_of(v, g, &c, m);
+    vm same = m;
+    for (int i = 1; i < 8; i++)
+        same = vm_and(same, vf_eq(v[i], v[0]));
+    vf label = v[0];
+    if (!vm_any(vm_andnot(m, same)))
+        return label;
+    corner_weights(w, &c);
+    for (int i = 0; i < 8; i++) {
+        vf sum = vf_set1(0.0f); /* in the order of corners, so that it is the same number for each of a label's */
+        for (int j = 0; j < 8; j++)
+            sum = sum + vf_select(vf_eq(v[j], v[i]), w[j], vf_set1(0.0f));
+        const vm tie = vm_and(vf_eq(sum, most), vf_lt(v[i], label));
+        const vm more = vm_or(vf_lt(most, sum), tie);
+        label = vf_select(more, v[i], label);
+        most = vf_select(more, sum, most);
+    }
+    return label;
+}
+
+VV_INLINE vf is_label(vf v, vf label)
+{
+    return vf_select(vf_eq(v, label), vf_set1(1.0f), vf_set1(0.0f));
+}
+
+/** A row through a cell, interpolated along x. */
+VV_INLINE vf label_row(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vf label, vm m)
+{
+    vf l, r;
+    load_pair(g, type, c->i, yo, zo, m, &l, &r);
+    return vf_lerp(is_label(l, label), is_label(r, label), c->fx);
+}
+
+/** The gradient, as border_gradient() has it, of the field that is 1 where the label is and 0 elsewhere. */
+VV_INLINE vf3 label_gradient_of(const vvi_lattice *g, int type, const cell_at *c, vf label, vm m)
+{
+    const axis_differences dx = find_differences(c->i, g->n[0]);
+    const axis_differences dy = find_differences(c->j, g->n[1]);
+    const axis_differences dz = find_differences(c->k, g->n[2]);
+    const vi up_y = y_up(g), up_z = z_up(g, type);
+    vi y[4], z[4];
+    y[1] = y_offset(g, c->j);
+    y[0] = vi_select(dy.first, y[1], y[1] - up_y);
+    y[2] = y[1] + up_y;
+    y[3] = vi_select(dy.last, y[2], y[2] + up_y);
+    z[1] = z_offset(g, type, c->k);
+    z[0] = vi_select(dz.first, z[1], z[1] - up_z);
+    z[2] = z[1] + up_z;
+    z[3] = vi_select(dz.last, z[2], z[2] + up_z);
+    vf in[2][2], gx[2][2], gy[2], gz[2];
+    for (int i = 0; i < 4; i++) {
+        vf q[4];
+        const int b = i >> 1, a = i & 1;
+        load_quad(g, type, c->i, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
+        for (int k = 0; k < 4; k++)
+            q[k] = is_label(q[k], label);
+        in[b][a] = vf_lerp(q[1], q[2], c->fx);
+        gx[b][a] = difference(&dx, q[0], q[1], q[2], q[3], c->fx);
+    }
+    for (int a = 0; a < 2; a++) {
+        gy[a] = difference(&dy, label_row(g, type, c, y[0], z[a + 1], label, m), in[a][0], in[a][1],
+                           label_row(g, type, c, y[3], z[a + 1], label, m), c->fy);
+        gz[a] = difference(&dz, label_row(g, type, c, y[a + 1], z[0], label, m), in[0][a], in[1][a],
+                           label_row(g, type, c, y[a + 1], z[3], label, m), c->fz);
+    }
+    return (vf3){vf_lerp(vf_lerp(gx[0][0], gx[0][1], c->fy), vf_lerp(gx[1][0], gx[1][1], c->fy), c->fz),
+                 vf_lerp(gy[0], gy[1], c->fz), vf_lerp(gz[0], gz[1], c->fy)};
+}
+
+static __attribute__((noinline)) void label_gradient(vf3 *out, const vvi_lattice *g, const vf3 *p, const vf *label,
+                                                     vm m)
+{
+    const cell_at c = find_cell(g, *p);
+    switch (vvi_lattice_kernel(g)) {
+    case VVI_SAMPLE_U8:
+        *out = label_gradient_of(g, VVI_SAMPLE_U8, &c, *label, m);
+        break;
+    case VVI_SAMPLE_U16:
+        *out = label_gradient_of(g, VVI_SAMPLE_U16, &c, *label, m);
+        break;
+    case VVI_SAMPLE_I16:
+        *out = label_gradient_of(g, VVI_SAMPLE_I16, &c, *label, m);
+        break;
+    case VVI_SAMPLE_F32:
+        *out = label_gradient_of(g, VVI_SAMPLE_F32, &c, *label, m);
+        break;
+    default:
+        *out = label_gradient_of(g, VVI_SAMPLE_WIDE, &c, *label, m);
+        break;
+    }
+}
+
+#endif

@@ -1,0 +1,81 @@
+/** @file
+ * Colours of a sample from a lattice of their own: those of an RGB or RGBA volume, or another volume's values through a
+ * colour map. For kernels only.
+ */
+#ifndef VVI_RENDER_MARCH_BLEND_PAINT_H
+#define VVI_RENDER_MARCH_BLEND_PAINT_H
+#include "render/march/blend_kernel.h"
+#include "render/march/blend_value.h"
+
+/** Premultiplied red, green, blue and alpha of one sample, 0 to 65535. */
+VV_INLINE void load_colors(vf out[4], const vvi_lattice *g, vi at, vm m)
+{
+    vi rg, ba;
+    vi_gather_pair4(g->data, vi_shl(at, 1), m, &rg, &ba);
+    split_16(VVI_SAMPLE_U16, rg, &out[0], &out[1]);
+    split_16(VVI_SAMPLE_U16, ba, &out[2], &out[3]);
+}
+
+VV_INLINE void add_colors(vf sum[4], const vvi_lattice *g, vi at, vf weight, vm m)
+{
+    vf c[4];
+    load_colors(c, g, at, m);
+    for (int i = 0; i < 4; i++)
+        sum[i] = vf_fma(weight, c[i], sum[i]);
+}
+
+/** Colours of the volume itself: interpolated premultiplied, so that what is clear has no colour to give. */
+static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
+{
+    const vvi_lattice *g = &paint->lattice;
+    const vf one = vf_set1(1.0f), zero = vf_set1(0.0f);
+    const cell_at c = paint->nearest ? find_sample(g, *p) : find_cell(g, *p);
+    const vi at = c.i + y_offset(g, c.j) + z_offset(g, VVI_SAMPLE_U16, c.k);
+    vf sum[4] = {zero, zero, zero, zero};
+    if (paint->nearest) {
+        load_colors(sum, g, at, m);
+    } else {
+        const vi up[3] = {vi_set1(g->n[0] > 1), y_up(g), z_up(g, VVI_SAMPLE_U16)};
+        const vf x[2] = {one - c.fx, c.fx}, y[2] = {one - c.fy, c.fy}, z[2] = {one - c.fz, c.fz};
+        for (int i = 0; i < 8; i++) {
+            const vi none = vi_set1(0);
+            const vi corner = at + (i & 1 ? up[0] : none) + (i & 2 ? up[1] : none) + (i & 4 ? up[2] : none);
+            add_colors(sum, g, corner, x[i & 1] * y[i >> 1 & 1] * z[i >> 2], m);
+        }
+    }
+    const vf each = one / vf_max(sum[3], vf_set1(1e-20f));
+    for (int i = 0; i < 3; i++)
+        rgb[i] = sum[i] * each;
+}
+
+/** Colours by another volume's value at the same point of the World; where it ends, those that were there. */
+static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
+{
+    const float(*f)[4] = paint->from_index;
+    vf q[3];
+    for (int a = 0; a < 3; a++) {
+        q[a] = vf_fma(vf_set1(f[a][0]), p->x,
+                      vf_fma(vf_set1(f[a][1]), p->y, vf_fma(vf_set1(f[a][2]), p->z, vf_set1(f[a][3]))));
+        m = vm_and(m, vm_and(vf_le(vf_set1(paint->lo[a]), q[a]), vf_le(q[a], vf_set1(paint->hi[a]))));
+    }
+    if (!vm_any(m))
+        return;
+    const vf3 at = clamp_to_grid(&paint->lattice, vf3_set(q[0], q[1], q[2]));
+    const vf value = paint->nearest ? value_nearest(&paint->lattice, &at, m) : value_linear(&paint->lattice, &at, m);
+    const vf place = vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift));
+    const vi entry = vi_shl(vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(paint->n_entries - 1)))), 2);
+    m = vm_and(m, vf_eq(value, value));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = vf_select(m, vf_gather4(paint->color + c, entry, m), rgb[c]);
+}
+
+/** The colours of a volume that has some from elsewhere, in place of those of lanes m. */
+VV_INLINE void take_paint(vf rgb[3], const vvi_paint *paint, const vf3 *p, vm m)
+{
+    if (paint->kind == VVI_PAINT_COLORS)
+        paint_colors(rgb, paint, p, m);
+    else if (paint->kind == VVI_PAINT_MAP)
+        paint_map(rgb, paint, p, m);
+}
+
+#endif

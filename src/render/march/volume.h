@@ -1,0 +1,106 @@
+/** @file
+ * A volume as rays meet it, in parts by what they mean: where its samples are, which of it can be jumped, what values
+ * are seen as, and in which light. Worked out once a frame; kernels only read it.
+ */
+#ifndef VVI_RENDER_MARCH_VOLUME_H
+#define VVI_RENDER_MARCH_VOLUME_H
+#include "gfx/lamp.h"
+#include "grid/lattice.h"
+#include "render/march/parc.h"
+#include "render/march/skip.h"
+
+enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
+
+/** No opacity is as large. */
+enum { VVI_ENTRY_SPLIT = 2 };
+
+/** Where the samples are, and how a value between them is found. */
+typedef struct vvi_sampler {
+    vvi_lattice lattice;
+    bool nearest;       /**< the value of the nearest sample, not interpolated */
+    bool cell_gradient; /**< gradients are those of cells, not central differences */
+    double world_to_index[3][4];
+    float index_to_world[3][4];
+    float gradient_to_world[3][3]; /**< inverse transpose of the linear part, times voxel / range of stored values */
+    double lo[3], hi[3];           /**< the domain in index space */
+    size_t n_planes;
+    double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
+} vvi_sampler;
+
+/** What can be jumped. */
+typedef struct vvi_skipper {
+    const uint8_t *reach;     /**< of each block (skip.h); NULL: none */
+    const float *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest */
+    int32_t blocks[3];
+    int shift;
+    const vvi_parc *parc; /**< where rays of the eye meet boxes in which something is visible; NULL: not known */
+} vvi_skipper;
+
+/** What a value is seen as: entry = trunc(stored * entry_scale + entry_shift), clamped to [0, last_place]. An entry
+ * that is split has entries of its own, evenly spaced over the places from it to the next. */
+typedef struct vvi_classifier {
+    const float *alpha; /**< opacity of one step, by entry; split: the first of its own + VVI_ENTRY_SPLIT */
+    const float *color; /**< r, g, b, optical depth of one step, by entry; split: how many, -, -, -alpha */
+    float entry_scale, entry_shift;
+    float last_place; /**< a hair below the number of entries that are not of others */
+} vvi_classifier;
+
+/** What a projection makes one value of each ray by, in stored numbers. */
+typedef struct vvi_projection {
+    float sign;        /**< of extrema: 1 the largest, -1 the smallest */
+    float threshold;   /**< of local maxima */
+    float stored_zero; /**< the stored number that means 0 */
+    bool over_longest; /**< the sum over the longest ray's length, not over the ray's own */
+    float longest;     /**< steps from corner to corner */
+} vvi_projection;
+
+/** A solid is where the stored value is in [lo, hi]. */
+typedef struct vvi_solid {
+    float lo, hi;
+    float unit; /**< 1 / range of the stored values: products of differences stay in the range of floats */
+    float color[3];
+} vvi_solid;
+
+/** Where colours come from, if not from the classification. */
+typedef enum vvi_paint_kind {
+    VVI_PAINT_NONE,
+    VVI_PAINT_COLORS, /**< the volume's own: four numbers of 16 bits a sample (colors.h) */
+    VVI_PAINT_MAP     /**< another volume's values, through a table */
+} vvi_paint_kind;
+
+typedef struct vvi_paint {
+    int kind;
+    bool nearest;
+    vvi_lattice lattice; /**< colours: offsets count samples, of 8 bytes */
+    /* map: from the volume's index space to its own, where it has samples in [lo, hi]; rows of r, g, b, unused */
+    float from_index[3][4], lo[3], hi[3];
+    const float *color;
+    float entry_scale, entry_shift;
+    int32_t n_entries;
+} vvi_paint;
+
+typedef struct vvi_light {
+    bool shaded, two_sided;
+    bool capped;     /**< what lies on the face of a cut plane is lit as that face */
+    float cap_depth; /**< to this many steps behind it: a voxel, whatever the step, but at least one */
+    vvi_gloss gloss;
+    float flat_gradient; /**< a gradient shorter than this, in ranges a voxel, has no direction */
+    size_t n_lamps;
+    vvi_lamp lamps[VVI_RAY_LAMPS];
+} vvi_light;
+
+typedef struct vvi_march_volume {
+    vvi_sampler sampler;
+    vvi_skipper skipper;
+    vvi_classifier classifier;
+    vvi_projection projection;
+    vvi_solid solid;
+    vvi_light light;
+    vvi_paint paint;
+    const struct vvi_texture *texture; /**< on colours, before light (texture.h); NULL: none */
+    double step;                       /**< world length between samples */
+    float steps;                       /**< about how many the longest ray has */
+    float opaque;                      /**< a ray ends when less transmittance than this is left */
+} vvi_march_volume;
+
+#endif

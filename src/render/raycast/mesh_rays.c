@@ -1,0 +1,278 @@
+/* Triangles along rays: places and colours as src/gfx has them, lit by the definition of local light. */
+#include "render/raycast/mesh_rays.h"
+#include "core/memory.h"
+#include "core/status.h"
+#include "core/vec.h"
+#include "gfx/gfx.h"
+#include "render/common/mesh_tree.h"
+#include <math.h>
+#include <string.h>
+#include <volvis/image.h>
+
+/* More than this is opaque: shares of corners add up to 1 but for rounding. */
+#define OPAQUE 0.999
+
+/* Opening --------------------------------------------------------------------------------------------------------- */
+
+/* Cofactors turn normals as they turn planes, but for a factor; a mirror turns fronts into backs. */
+static vv_affine turn_of_normals(const vv_affine *place)
+{
+    const vv_vec3 *a = place->axis;
+    const double side = vv_affine_determinant(*place) < 0 ? -1 : 1;
+    return (vv_affine){.axis = {vvi_scaled(vvi_cross(a[1], a[2]), side), vvi_scaled(vvi_cross(a[2], a[0]), side),
+                                vvi_scaled(vvi_cross(a[0], a[1]), side)}};
+}
+
+static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index, vv_job *job)
+{
+    const vv_mesh_actor *actor = &scene->mesh_actors[index];
+    const vv_actor *look = &actor->look;
+    *m = (vvi_ray_mesh){.actor = actor,
+                        .id = (uint32_t)(scene->n_actors + index + 1),
+                        .shown = *vv_mesh_get_info(actor->mesh),
+                        .normals = turn_of_normals(&actor->place),
+                        .gloss = vvi_gloss_of(look->shading_model, look->ambient, look->diffuse, look->specular,
+                                              look->shininess, scene->ambient)};
+    if (actor->colors)
+        m->shown.colors = actor->colors;
+    if (actor->parts)
+        m->shown.parts = actor->parts;
+    vv_affine shifted = actor->place; /* of positions without the origin */
+    shifted.origin = vv_affine_point(actor->place, m->shown.origin);
+    if (!vv_affine_invert(&m->to_mesh, shifted))
+        return vv_fail(VV_E_ARGUMENT, "volumes.%s.place: flattens the mesh; give it a scale other than 0", look->id);
+    m->translucent = vvi_gfx_is_translucent(
+        &(vvi_gfx_surface){.mesh = &m->shown, .color.a = actor->opacity, .one_color = actor->one_color});
+    const vv_status st = vvi_mesh_tree_get(&m->tree, actor->mesh, job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "volumes.%s", look->id);
+    vvi_mesh_tree_box(m->lo, m->hi, m->tree);
+    return VV_OK;
+}
+
+vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job *job)
+{
+    const size_t bytes = scene->n_mesh_actors * sizeof *out->mesh;
+    *out = (vvi_ray_meshes){.scene = scene};
+    if (!scene->n_mesh_actors)
+        return VV_OK;
+    if (!(out->mesh = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(bytes);
+    for (int i = 0; i < 256; i++)
+        out->decode[i] = (float)vv_srgb_decode(i / 255.0);
+    for (size_t i = 0; i < scene->n_mesh_actors; i++) {
+        if (!vv_mesh_get_info(scene->mesh_actors[i].mesh)->n_triangles)
+            continue;
+        const vv_status st = open_mesh(&out->mesh[out->n++], scene, i, job);
+        if (st != VV_OK)
+            return st;
+        out->translucent |= out->mesh[out->n - 1].translucent;
+    }
+    return VV_OK;
+}
+
+void vvi_ray_meshes_close(vvi_ray_meshes *meshes)
+{
+    for (size_t i = 0; i < meshes->n; i++)
+        vvi_cache_release(meshes->mesh[i].tree);
+    vvi_free(meshes->mesh);
+    *meshes = (vvi_ray_meshes){0};
+}
+
+/* Hits ------------------------------------------------------------------------------------------------------------ */
+
+/* A ray of a batch through one mesh. Floats begin where it enters the mesh's box, so that they lose nothing on the way
+ * there. */
+typedef struct passage {
+    const vvi_ray_meshes *meshes;
+    const vvi_ray_mesh *mesh;
+    vv_vec3 origin, direction; /* world */
+    double start;              /* distance that the tree's distances begin at */
+    bool translucent;          /* which are looked for */
+} passage;
+
+static vv_vec3 point_at(const passage *p, double distance)
+{
+    return vvi_add(p->origin, vvi_scaled(p->direction, distance));
+}
+
+static void color_at(double out[4], const passage *p, const vvi_mesh_hit *hit)
+{
+    const vvi_ray_mesh *m = p->mesh;
+    const vv_mesh_info *shown = &m->shown;
+    const uint32_t *v = shown->triangles + 3 * (size_t)hit->triangle;
+    const double share[3] = {1 - (double)hit->u - (double)hit->v, (double)hit->u, (double)hit->v};
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)m->actor->look.color[c];
+    out[3] = m->actor->opacity;
+    if (m->actor->one_color)
+        return;
+    if (shown->colors) {
+        double sum[4] = {0};
+        for (int k = 0; k < 3; k++) {
+            const uint8_t *color = shown->colors + 4 * (size_t)v[k];
+            for (int c = 0; c < 3; c++)
+                sum[c] += share[k] * (double)p->meshes->decode[color[c]];
+            sum[3] += share[k] * color[3] / 255;
+        }
+        memcpy(out, sum, 3 * sizeof *sum);
+        out[3] *= sum[3];
+        return;
+    }
+    for (size_t i = 0; shown->parts && i < shown->n_parts; i++)
+        if (hit->triangle - shown->parts[i].first_triangle < shown->parts[i].n_triangles &&
+            shown->parts[i].color.a >= 0) {
+            const vv_color c = shown->parts[i].color;
+            out[0] = c.r, out[1] = c.g, out[2] = c.b;
+            out[3] *= c.a;
+        }
+}
+
+static bool take(void *user, const vvi_mesh_hit *hit)
+{
+    const passage *p = user;
+    const vv_actor *look = &p->mesh->actor->look;
+    const vv_vec3 at = point_at(p, p->start + (double)hit->distance);
+    for (size_t i = 0; i < look->n_planes; i++)
+        if (vvi_dot(look->planes[i].normal, at) < look->planes[i].offset)
+            return false;
+    if (!p->mesh->translucent)
+        return true;
+    double rgba[4];
+    color_at(rgba, p, hit);
+    return p->translucent ? rgba[3] < OPAQUE && rgba[3] > 0 : rgba[3] >= OPAQUE;
+}
+
+/* The mesh's part of a ray; false: it passes beside its box. */
+static bool enter(vvi_mesh_ray *out, passage *p, double near, double far)
+{
+    const vvi_ray_mesh *m = p->mesh;
+    const vv_vec3 o = vv_affine_point(m->to_mesh, p->origin), d = vv_affine_vector(m->to_mesh, p->direction);
+    const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
+    for (int a = 0; a < 3; a++) {
+        const double lo = m->lo[a], hi = m->hi[a];
+        if (direction[a] == 0) {
+            if (origin[a] < lo || origin[a] > hi)
+                return false;
+            continue;
+        }
+        const double s = (lo - origin[a]) / direction[a], t = (hi - origin[a]) / direction[a];
+        near = fmax(near, fmin(s, t));
+        far = fmin(far, fmax(s, t));
+    }
+    if (!(far > near))
+        return false;
+    p->start = near;
+    out->near = 0;
+    out->far = (float)(far - near);
+    for (int a = 0; a < 3; a++) {
+        out->origin[a] = (float)(origin[a] + near * direction[a]);
+        out->direction[a] = (float)direction[a];
+    }
+    return true;
+}
+
+/* Light ----------------------------------------------------------------------------------------------------------- */
+
+/* Turned to the eye; false: the triangle is flat, and its normal not known. */
+static bool normal_at(vv_vec3 *out, const passage *p, const vvi_mesh_hit *hit)
+{
+    const vv_mesh_info *m = &p->mesh->shown;
+    const uint32_t *v = m->triangles + 3 * (size_t)hit->triangle;
+    const double share[3] = {1 - (double)hit->u - (double)hit->v, (double)hit->u, (double)hit->v};
+    vv_vec3 corner[3], smooth = {0, 0, 0};
+    for (int k = 0; k < 3; k++) {
+        const float *at = m->positions + 3 * (size_t)v[k];
+        corner[k] = vvi_vec((double)at[0], (double)at[1], (double)at[2]);
+        if (m->normals) {
+            const float *n = m->normals + 3 * (size_t)v[k];
+            smooth = vvi_add(smooth, vvi_scaled(vvi_vec((double)n[0], (double)n[1], (double)n[2]), share[k]));
+        }
+    }
+    *out = vv_affine_vector(p->mesh->normals, smooth);
+    if (!vvi_unit(out)) {
+        *out =
+            vv_affine_vector(p->mesh->normals, vvi_cross(vvi_sub(corner[1], corner[0]), vvi_sub(corner[2], corner[0])));
+        if (!vvi_unit(out))
+            return false;
+    }
+    if (vvi_dot(*out, p->direction) > 0)
+        *out = vvi_scaled(*out, -1);
+    return true;
+}
+
+static void shade(vvi_mesh_sink *out, size_t i, const passage *p, const vvi_mesh_hit *hit)
+{
+    const vv_scene *scene = p->meshes->scene;
+    const double distance = p->start + (double)hit->distance;
+    double rgba[4];
+    vv_vec3 normal = {0, 0, 0};
+    color_at(rgba, p, hit);
+    const bool known = normal_at(&normal, p, hit);
+    const vv_vec3 to_eye = vvi_scaled(p->direction, -1);
+    const vvi_lit_point point = {
+        .position = point_at(p, distance), .normal = known ? normal : to_eye, .to_eye = to_eye, .surface = known};
+    if (p->mesh->actor->look.shading_model != VV_SHADING_NONE)
+        vvi_light_ref(rgba, &point, &p->mesh->gloss, scene->lamps, scene->n_lamps);
+    const double opacity = rgba[3] >= OPAQUE ? 1 : rgba[3];
+    for (int c = 0; c < 3; c++)
+        out->sink.rgb[c][i] = (float)(opacity * rgba[c]);
+    out->sink.through[i] = (float)(1 - opacity);
+    out->sink.depth[i] = (float)distance;
+    out->id[i] = p->mesh->id;
+    out->normal[0][i] = (float)normal.x, out->normal[1][i] = (float)normal.y, out->normal[2][i] = (float)normal.z;
+}
+
+/* Batches --------------------------------------------------------------------------------------------------------- */
+
+/* The nearest hit of all meshes along one ray, and which mesh it is on. */
+static bool find_nearest(passage *out, vvi_mesh_hit *hit_out, const vvi_ray_meshes *meshes, const vvi_rays *rays,
+                         size_t i, bool translucent, double far)
+{
+    bool found = false;
+    for (size_t m = 0; m < meshes->n; m++) {
+        const vvi_ray_mesh *mesh = &meshes->mesh[m];
+        passage p = {.meshes = meshes,
+                     .mesh = mesh,
+                     .origin = {rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]},
+                     .direction = {rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]},
+                     .translucent = translucent};
+        vvi_mesh_ray ray;
+        vvi_mesh_hit hit;
+        const bool all = !mesh->translucent && !mesh->actor->look.n_planes;
+        if ((translucent && !mesh->translucent) || !enter(&ray, &p, rays->near[i], far) ||
+            !vvi_mesh_tree_hit(&hit, mesh->tree, &ray, all ? NULL : take, &p))
+            continue;
+        far = p.start + (double)hit.distance;
+        *out = p;
+        *hit_out = hit;
+        found = true;
+    }
+    return found;
+}
+
+void vvi_ray_meshes_opaque(vvi_mesh_sink *inout, const vvi_ray_meshes *meshes, const vvi_rays *rays)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        passage p;
+        vvi_mesh_hit hit;
+        const double far = fmin(rays->far[i], (double)inout->sink.depth[i]);
+        if (rays->pixel[i] >= 0 && find_nearest(&p, &hit, meshes, rays, i, false, far))
+            shade(inout, i, &p, &hit);
+    }
+}
+
+size_t vvi_ray_meshes_translucent(vvi_mesh_sink *out, const vvi_ray_meshes *meshes, const vvi_rays *rays)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < rays->n; i++) {
+        passage p;
+        vvi_mesh_hit hit;
+        out->sink.depth[i] = INFINITY;
+        if (rays->pixel[i] < 0 || !find_nearest(&p, &hit, meshes, rays, i, true, rays->far[i]))
+            continue;
+        shade(out, i, &p, &hit);
+        n++;
+    }
+    return n;
+}

@@ -1,0 +1,46 @@
+/** @file
+ * Meshes along the rays of a batch: opaque ones end rays, translucent ones are met one after the other.
+ */
+#ifndef VVI_RENDER_RAYCAST_MESH_RAYS_H
+#define VVI_RENDER_RAYCAST_MESH_RAYS_H
+#include "core/cache.h"
+#include "gfx/lamp.h"
+#include "render/march/rays.h"
+
+/** One mesh of a frame. */
+typedef struct vvi_ray_mesh {
+    const vv_mesh_actor *actor;
+    uint32_t id; /**< as the id layer has it */
+    vvi_cached *tree;
+    vv_mesh_info shown;  /**< with the colours that it is shown in */
+    vv_affine to_mesh;   /**< from the world to its positions, without their origin */
+    double lo[3], hi[3]; /**< of them */
+    vv_affine normals;   /**< turns them to the world, but for their length */
+    bool translucent;
+    vvi_gloss gloss;
+} vvi_ray_mesh;
+
+typedef struct vvi_ray_meshes {
+    const vv_scene *scene;
+    vvi_ray_mesh *mesh;
+    size_t n;
+    bool translucent;  /**< some of them is */
+    float decode[256]; /**< sRGB to light */
+} vvi_ray_meshes;
+
+/** What of meshes lies on the rays of a batch. Rays that meet none have depth INFINITY there. */
+typedef struct vvi_mesh_sink {
+    vvi_sink sink; /**< through: 1 less the opacity */
+    uint32_t id[VVI_RAY_BATCH];
+    float normal[3][VVI_RAY_BATCH]; /**< world, length 1, on the ray's side; 0: not known */
+} vvi_mesh_sink;
+
+/** Errors: those of vvi_mesh_tree_get(). Then close it too; zeroed is fine. */
+vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job *job);
+void vvi_ray_meshes_close(vvi_ray_meshes *meshes);
+
+/** The nearest opaque triangle between near and far of each ray; what is there already is kept where it is nearer. */
+void vvi_ray_meshes_opaque(vvi_mesh_sink *inout, const vvi_ray_meshes *meshes, const vvi_rays *rays);
+/** The nearest translucent one. How many rays have one. */
+size_t vvi_ray_meshes_translucent(vvi_mesh_sink *out, const vvi_ray_meshes *meshes, const vvi_rays *rays);
+#endif

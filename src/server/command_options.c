@@ -1,0 +1,113 @@
+/* Objects as options of a command line, and words as a shell takes them. */
+#include "core/memory.h"
+#include "core/units.h"
+#include "server/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void vvi_command_quote(vvi_text *out, const char *s)
+{
+    vvi_text_add(out, "'");
+    for (; *s; s++)
+        vvi_text_add(out, *s == '\'' ? "'\\''" : (char[2]){*s, 0});
+    vvi_text_add(out, "'");
+}
+
+/* "[1, 2, 3]" is typed as 1,2,3 and "\"text\"" without its marks. */
+static void put_value(vvi_text *out, const char *json)
+{
+    char *typed = vvi_strdup(json);
+    char *to = typed;
+    for (const char *from = json; typed && *from; from++)
+        if (!strchr("[]\" ", *from))
+            *to++ = *from;
+    if (typed)
+        *to = 0;
+    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
+    free(typed);
+}
+
+/* " --name", as the option is called. */
+static void put_name(vvi_text *out, const vv_property *row, const char *before)
+{
+    vvi_text_printf(out, " --%s", before);
+    for (const char *at = row->option ? row->option : row->name; *at; at++)
+        vvi_text_add(out, *at == '_' ? "-" : (char[2]){*at, 0});
+}
+
+/* Of a table each row by itself. */
+static void put_rows(vvi_text *out, const vv_property *row, const vv_numbers *rows)
+{
+    for (size_t i = 0; rows && i < rows->n; i++) {
+        char number[32];
+        const bool first = i % (size_t)row->columns == 0;
+        vvi_print_number(number, rows->v[i]);
+        if (first)
+            put_name(out, row, "");
+        vvi_text_printf(out, "%s%s", first ? "=" : ",", number);
+    }
+}
+
+/* LO..HI, of which this row is LO and the next one HI. */
+static void put_range(vvi_text *out, const vv_property *row, const vv_object *params)
+{
+    char end[2][32] = {"", ""};
+    for (int i = 0; i < 2; i++)
+        if (vv_object_is_set(params, row[i].name))
+            vvi_print_number(end[i], *(const double *)(const void *)((const char *)params + row[i].offset));
+    if (!*end[0] && !*end[1])
+        return;
+    put_name(out, row, "");
+    vvi_text_printf(out, "=%s..%s", end[0], end[1]);
+}
+
+static void put_option(vvi_text *out, const vv_property *row, const char *json)
+{
+    const bool is_bool = row->kind == VV_KIND_BOOL;
+    put_name(out, row, is_bool && strcmp(json, "true") != 0 ? "no-" : "");
+    if (is_bool)
+        return;
+    vvi_text_add(out, "=");
+    put_value(out, json);
+}
+
+/* Whether it says nothing beside a choice that is another, as in "kind=box|ellipse". */
+static bool is_idle(const vv_property *row, const vv_object *params)
+{
+    const char *equals = row->when ? strchr(row->when, '=') : NULL;
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - row->when) : 0, row->when ? row->when : "");
+    const vv_property *choice = equals ? vv_class_find(params->cls, name) : NULL;
+    if (!choice || choice->kind != VV_KIND_ENUM)
+        return false;
+    const char *chosen = choice->names[*(const int *)(const void *)((const char *)params + choice->offset)];
+    const size_t n = strlen(chosen);
+    for (const char *at = equals; (at = strstr(at + 1, chosen)) != NULL;)
+        if (strchr("=|", at[-1]) && strchr("|", at[n]))
+            return false;
+    return true;
+}
+
+vv_status vvi_command_options(vvi_text *out, const vv_object *params)
+{
+    for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
+        char *json = NULL;
+        if (row->ranged)
+            put_range(out, row, params);
+        if (row->ranged || (row->option && !*row->option) || !vv_object_is_set(params, row->name) ||
+            is_idle(row, params))
+            continue;
+        if (row->kind == VV_KIND_NUMBERS && row->columns > 1 && !row->lone) {
+            put_rows(out, row, *(vv_numbers *const *)(const void *)((const char *)params + row->offset));
+            continue;
+        }
+        const vv_status st = vv_path_get(&json, params, row->name);
+        if (st != VV_OK)
+            return st;
+        put_option(out, row, json);
+        free(json);
+    }
+    return VV_OK;
+}

@@ -1,0 +1,217 @@
+"""Regions that are drawn: boxes, ellipses, polygons and ellipsoids in frames of their own, against NumPy and formulas."""
+import json
+import numpy as np
+from PIL import Image
+from harness import fails, main, ok, says, volvis
+from measure_inputs import near, noise, write
+
+TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64")
+TURNED = np.array([(0.62, 0.31, -0.1), (-0.4, 1.1, 0.3), (0.2, -0.5, 1.7)])
+SHEARED = np.array([(0.8, 0, 0), (0.4, 1.0, 0), (-0.2, 0.3, 0.9)])
+ORIGIN = np.array((-7.3, 4.1, 2.2))
+
+
+def words(**region):
+    given = []
+    for name, value in region.items():
+        for one in value if name == "vertex" else (value,):
+            given += ["--" + name, one if isinstance(one, str) else ",".join(repr(float(v)) for v in np.atleast_1d(one))]
+    return given
+
+
+def places(shape, steps, origin):
+    """The centres of samples [z, y, x], in the world."""
+    z, y, x = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")
+    return np.stack([x, y, z], -1) @ np.asarray(steps) + origin
+
+
+def axes_of(normal, right):
+    normal = np.array(normal) / np.linalg.norm(normal)
+    right = np.array(right) - np.dot(right, normal) * normal
+    right /= np.linalg.norm(right)
+    return np.array((right, np.cross(normal, right), normal))
+
+
+def winds_around(points, corners):
+    """By the sum of the angles under which the sides are seen: another method than counting crossings."""
+    total = np.zeros(points.shape[:-1])
+    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        u, v = a - points, b - points
+        total += np.arctan2(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0], (u * v).sum(-1))
+    return np.abs(total) > np.pi
+
+
+def shoelace(corners):
+    x, y = corners.T
+    return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def inside(kind, local, half, corners=None):
+    in_slab = np.abs(local[..., 2]) < half[2]
+    if kind == "box":
+        return (np.abs(local) < half).all(-1)
+    if kind == "ellipse":
+        return in_slab & (((local[..., :2] / half[:2]) ** 2).sum(-1) <= 1)
+    if kind == "polygon":
+        return in_slab & winds_around(local[..., :2], corners)
+    return ((local / half) ** 2).sum(-1) <= 1
+
+
+def exact(kind, size, corners=None):
+    return {"box": 1, "ellipse": np.pi / 4, "ellipsoid": np.pi / 6}[kind] * np.prod(size) if kind != "polygon" else shoelace(corners) * size[2]
+
+
+CORNERS = np.array([(-4.03, -3.1), (3.7, -4.2), (1.1, 0.37), (5.2, 4.4), (-3.3, 3.9)])
+
+
+def region_of(kind, middle, axes, size):
+    shared = {"region": kind, "space": "world", "normal": axes[2]}
+    if kind == "polygon":
+        return {**shared, "vertex": CORNERS @ axes[:2] + middle, "thickness": size[2]}
+    return {**shared, "right": axes[0], "center": middle, "size": size}
+
+
+def check(name, values, steps, kind):
+    axes = axes_of((0.3, -0.2, 1), (1, 0.4, 0))
+    size = np.array((9.3, 7.1, 4.7))
+    centres = places(values.shape, steps, ORIGIN)
+    middle = centres.reshape(-1, 3).mean(0) + (0.123, -0.071, 0.037)
+    local = (centres - middle) @ axes.T
+    there = inside(kind, local, size / 2, CORNERS)
+    found = ok("measure", "statistics", name, *words(**region_of(kind, middle, axes, size)), "--json").json
+    voxel = abs(np.linalg.det(steps))
+    chosen = values[there].astype(np.float64)
+    assert found["region_voxels"] == found["count"] == there.sum() > 30, (name, kind)
+    near(found["mean"], chosen.mean(), 1e-9)
+    near(found["deviation"], chosen.std(), 1e-9)
+    assert (found["min"], found["max"]) == (chosen.min(), chosen.max())
+    near(found["median"], np.median(chosen), 1e-9)
+    near(found["region_volume"], there.sum() * voxel, 1e-9)
+    near(found["region_volume_exact"], exact(kind, size, CORNERS), 1e-9)
+    if kind != "ellipsoid":
+        near(found["region_area_exact"], exact(kind, (*size[:2], 1), CORNERS), 1e-9)
+    assert abs(found["region_volume"] / found["region_volume_exact"] - 1) < 0.15
+
+
+def test_samples_are_those_whose_centres_are_inside_of_every_type():
+    for i, kind in enumerate(TYPES):
+        values = noise(kind)
+        write("any.nrrd", values, spacing=(0.7, 0.9, 0.6), origin=ORIGIN)
+        check("any.nrrd", values, np.diag((0.7, 0.9, 0.6)), ("box", "ellipse", "polygon", "ellipsoid")[i % 4])
+
+
+def test_grids_may_be_turned_or_sheared():
+    values = noise("int16", shape=(23, 27, 31))
+    for name, steps in (("turned.nrrd", TURNED), ("sheared.nrrd", SHEARED)):
+        write(name, values, steps=steps, origin=ORIGIN)
+        for kind in ("box", "ellipse", "polygon", "ellipsoid"):
+            check(name, values, steps, kind)
+
+
+def test_one_slice_is_one_sample_of_each_row_across():
+    values = noise("uint8", shape=(13, 17, 19))
+    write("flat.nrrd", values, spacing=(0.5, 0.8, 2.5))
+    y, x = np.mgrid[:17, :19]
+    for depth in (6, 6.4):  # between two slices it is the nearer one
+        there = ((x - 9) / 5) ** 2 + ((y - 8) / 4) ** 2 <= 1
+        found = ok("measure", "statistics", "flat.nrrd", *words(region="ellipse", center=(9, 8, depth), size=(10, 8, 0)), "--json").json
+        assert found["count"] == there.sum()
+        near(found["mean"], values[6][there].mean(), 1e-12)
+        near(found["region_area_exact"], np.pi * 5 * 4 * 0.5 * 0.8, 1e-12)
+        near(found["region_volume_exact"], np.pi * 5 * 4 * 0.5 * 0.8 * 2.5, 1e-12)
+    # a rectangle of whole steps: of two opposite sides the lower one is part of it
+    found = ok("measure", "volume", "flat.nrrd", *words(region="rectangle", center=(9, 8, 6), size=(10, 8, 0)), "--json").json
+    assert found["region_voxels"] == 80 and found["volume"] == found["region_volume_exact"] == 80
+    world = words(region="polygon", space="world", vertex=[(2, 4, 15), (7, 4, 15), (7, 8, 15), (2, 8, 15)])
+    found = ok("measure", "statistics", "flat.nrrd", *world, "--json").json
+    assert found["count"] == 50 and found["mean"] == values[6, 5:10, 4:14].mean()
+    near(found["region_volume_exact"], 50, 1e-12)
+
+
+def test_counted_volumes_of_ellipsoids_converge():
+    size = np.array((9.7, 7.3, 8.9))
+    off = []
+    for n in (12, 24, 48, 96):
+        write("fine.nrrd", np.zeros((n, n, n), np.uint8), spacing=(12 / n,) * 3, origin=(-6 + 6 / n,) * 3)
+        found = ok("measure", "volume", "fine.nrrd", *words(region="ellipsoid", space="world", center=(0.013, 0.027, 0.041), size=size, normal=(1, 2, 3)), "--json").json
+        near(found["region_volume_exact"], np.pi / 6 * np.prod(size), 1e-12)
+        off.append(abs(found["volume"] - found["region_volume_exact"]))
+        assert off[-1] <= found["volume_error"]
+    assert off[-1] < off[0] / 8 and off[-1] < 1e-3 * found["region_volume_exact"], off
+
+
+def test_an_object_in_a_region_is_what_both_have():
+    values = noise("int16", shape=(21, 25, 27))
+    write("any.nrrd", values, spacing=(1, 1, 1))
+    local = places(values.shape, np.eye(3), np.zeros(3)) - (12.2, 11.3, 9.7)
+    there = inside("ellipsoid", local, np.array((8, 7, 6.0)))
+    asked = words(region="ellipsoid", center=(12.2, 11.3, 9.7), size=(16, 14, 12))
+    bright = there & (values >= 100)
+    found = ok("measure", "volume", "any.nrrd", "--iso", "100", *asked, "--json").json
+    assert found["volume"] == bright.sum() and found["method"] == "count"
+    found = ok("measure", "statistics", "any.nrrd", "--iso", "100", *asked, "--json").json
+    assert found["count"] == bright.sum() and abs(found["mean"] - values[bright].mean()) < 1e-9
+    half = there & (np.arange(21) >= 10)[:, None, None]
+    found = ok("measure", "histogram", "any.nrrd", *asked, "--box", "..,..,10..20", "--bins", "16", "--range", "-3000,3000", "--json").json
+    assert sum(found["histogram"]["counts"]) == half.sum()
+    counts = found["histogram"]
+    assert counts["counts"] == list(np.histogram(values[half], 16, (-3000, 3000))[0])
+    joint = ok("measure", "joint", "any.nrrd", *asked, "--json").json
+    assert sum(map(sum, joint["joint"]["counts"])) + joint["joint"]["beyond"] == there.sum()
+
+
+def test_what_makes_no_region_is_told():
+    write("any.nrrd", noise("uint8"))
+    of = ("measure", "statistics", "any.nrrd")
+    says(fails(2, *of, "--region", "ellipse"), "--region ellipse needs --center X,Y,Z and --size X,Y,Z")
+    says(fails(2, *of, "--region", "box", "--center", "1,2,3"), "--region box needs --size X,Y,Z")
+    says(fails(2, *of, "--center", "1,2,3"), "--center does nothing with --region none")
+    says(fails(2, *of, "--region", "polygon", "--size", "1,2,3"), "--size does nothing with --region polygon")
+    says(fails(2, *of, "--region", "polygon", "--vertex", "1,2,3"), "three times or more; there are 1")
+    says(fails(2, *of, "--region", "polygon", *words(vertex=[(1, 1, 1), (2, 2, 2), (3, 3, 3)])), "the corners lie on one line")
+    says(fails(2, *of, "--region", "ellipsoid", "--center", "1,2,3", "--size", "4,4,0"), "expected three extents above 0, found 4,4,0")
+    says(fails(2, *of, "--region", "box", "--center", "1,2,3", "--size", "4,4,4", "--normal", "0,0,0"), "a direction is needed")
+    says(fails(2, *of, "--region", "box", "--center", "1,2,3", "--size", "4,4,4", "--right", "0,0,2"), "it must lie in the plane")
+    says(fails(2, "measure", "volume", "any.nrrd", "--method", "cubes", "--region", "sphere", "--center", "9,9,9", "--size", "4,4,4"), "voxels are counted in a region")
+    says(fails(2, "measure", "profile", "any.nrrd", "--point", "1,2,3", "--point", "4,5,6", "--region", "sphere", "--center", "9,9,9", "--size", "4,4,4"), "no effect on the profile")
+    says(ok(*of, "--region", "sphere", "--center", "500,9,9", "--size", "4,4,4").message, "no voxel has its centre in the region")
+    bow = words(region="polygon", vertex=[(2, 2, 4), (12, 12, 4), (12, 2, 4), (2, 12, 4)])
+    crossed = ok(*of, *bow, "--normal", "0,0,1", "--json")
+    assert crossed.json["region_area_exact"] is None and crossed.json["region_voxels"] > 40
+    says(crossed.message, "the polygon crosses itself")
+
+
+def test_a_range_may_say_that_it_has_no_limit():
+    write("any.nrrd", noise("int16"))
+    for said, meant in (("100..inf", "100.."), ("-inf..20", "..20")):
+        assert ok("measure", "volume", "any.nrrd", "--threshold", said).text == ok("measure", "volume", "any.nrrd", "--threshold", meant).text
+    for nothing in ("-inf..inf", "inf..5", "5..-inf"):
+        says(fails(2, "measure", "volume", "any.nrrd", "--threshold", nothing), f"expected LO..HI, as in 90..300, 90.. or 90, found '{nothing}'")
+
+
+def test_scenes_keep_them_and_pictures_show_them():
+    write("any.nrrd", noise("uint8", shape=(23, 25, 27)))
+    asked = words(region="polygon", vertex=[(4, 4, 11), (20, 6, 11), (12, 20, 11)])
+    given = ok("measure", "statistics", "any.nrrd", *asked, "--store", "kept.vv.json:mine", "--json").json
+    with open("kept.vv.json", encoding="utf-8") as file:
+        kept = json.load(file)["measurements"]["mine"]
+    assert kept["region"] == {"kind": "polygon", "outline": [[4, 4, 11], [20, 6, 11], [12, 20, 11]]}
+    again = ok("measure", "stored", "kept.vv.json", "--json").json
+    assert again["n_changed"] == 0 and again["measurements"][0]["region_voxels"] == given["region_voxels"]
+    # another kind, whose numbers stand beside those of the polygon; and back
+    edit = ("--set", "measurements.mine.region.kind=ellipse", "--set", "measurements.mine.region.center=12,12,11", "--set", "measurements.mine.region.size=8,8,0")
+    changed = volvis("measure", "stored", "kept.vv.json", *edit, "--json")
+    assert changed.code == 6
+    other = changed.json
+    assert other["measurements"][0]["region_voxels"] == (np.hypot(*np.mgrid[-4:5, -4:5]) <= 4).sum()
+    hidden = ("--set", "measurements.mine.visible=false")
+    for depth, least, most in ((11, 60, 2000), (13, 0, 0)):
+        seen = []
+        for name, words_of in (("plain.png", hidden), ("drawn.png", ())):
+            ok("render", "kept.vv.json", "--slice", "axial", "--cross-hair", f"12,12,{depth}", "--size", "96x96", *words_of, "-o", name)
+            seen.append(np.array(Image.open(name).convert("RGB"), int))
+        n = (np.abs(seen[1] - seen[0]).max(-1) > 40).sum()
+        assert least <= n <= most, (depth, n)
+
+
+main()

@@ -1,0 +1,14 @@
+/** Sentences of operations as the panel says them: what command lines have in them is named as the fields are. */
+import type { Operation, Property } from "../protocol";
+import { label, sentence } from "../values";
+
+/** "threshold: range is needed; or --method otsu" is "Range is needed; or Method otsu." */
+export function inPanel(text: string, operation: Operation, rows: Property[]): string {
+  const known = (name: string) => rows.some((row) => row.name === name);
+  const plain = text
+    .replace(/^parameters\.(\w+)/, (_, name: string) => label(name))
+    .replace(new RegExp(`(^|: )${operation.name}: `), "$1")
+    .replace(/ \(\w+=FILE\)/g, "")
+    .replace(/--(no-)?([a-z][a-z-]*)/g, (all, _, name: string) => (known(name.replace(/-/g, "_")) ? label(name) : all));
+  return sentence(plain);
+}
