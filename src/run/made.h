@@ -45,8 +45,8 @@ vv_status vvi_made_frame(int64_t *out, const vvi_made *made, size_t input, int64
 vv_status vvi_made_fail(const vvi_made *made, const char *property, vv_status status);
 
 /** Whether samples of one box can be made without all others: with these parameters a sample depends on those around it
- * alone, or on what the operation looks at by itself, which is quick. n_frames: of the result; what is looked at for all
- * time steps together is not local. */
+ * alone, or on what the operation looks at by itself, which is quick. n_frames: of the result; what is looked at for
+ * all time steps together is not local. */
 bool vvi_made_is_local(const vvi_made *made, const vv_object *params, int64_t n_frames);
 
 /** Samples of the inputs of what is made; zeroed is valid to close. */

@@ -174,7 +174,8 @@ static void what_samples_decide_is_not_made_in_boxes(void **state)
     (void)state;
     ok(vv_world_for_field(&world, "in", in, job));
     vv_object *root = &world->base;
-    ok(vv_path_add(&root, "datasets", "out", "{\"operation\": \"vesselness\", \"inputs\": {\"volume\": \"in\"}}", NULL));
+    ok(vv_path_add(&root, "datasets", "out", "{\"operation\": \"vesselness\", \"inputs\": {\"volume\": \"in\"}}",
+                   NULL));
     world = (vv_world *)(void *)root;
     ok(vvi_made_open(&made, world, (const vv_dataset *)(const void *)vv_collection_find(world->datasets, "out"), job));
     ok(vvi_made_params(&params, &made, job));
