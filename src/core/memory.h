@@ -48,6 +48,8 @@ char *vvi_asprintf(const char *format, ...) VV_PRINTF(1, 2);
 
 /** Tests: every allocation of the process from the n-th on fails (0: none). */
 void vvi_alloc_fail_after(int64_t n);
+/** Tests: the n-th alone fails. */
+void vvi_alloc_fail_once(int64_t n);
 /** Tests: whether one has failed since then. */
 bool vvi_alloc_has_failed(void);
 /** For functions that take memory by other ways than those above: counts one allocation; whether it must fail. */

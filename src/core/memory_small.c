@@ -7,12 +7,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* 0: off; n > 0: the n-th allocation fails; -1: one has failed, and so do all after it. Process-wide because workers
- * must fail too; only tests ever set it. */
+/* 0: off; n > 0: the n-th allocation fails; ALL: one has failed, and so do all after it; ONE: those after it do not.
+ * Process-wide because workers must fail too; only tests ever set it. */
+enum { ALL = -1, ONE = -2 };
 static _Atomic int64_t countdown;
+static _Atomic int64_t then = ALL;
 
 void vvi_alloc_fail_after(int64_t n)
 {
+    atomic_store(&then, ALL);
+    atomic_store(&countdown, n);
+}
+
+void vvi_alloc_fail_once(int64_t n)
+{
+    atomic_store(&then, ONE);
     atomic_store(&countdown, n);
 }
 
@@ -25,9 +34,9 @@ bool vvi_alloc_fails(void)
 {
     int64_t n = atomic_load_explicit(&countdown, memory_order_relaxed);
     while (n > 0)
-        if (atomic_compare_exchange_weak(&countdown, &n, n == 1 ? -1 : n - 1))
+        if (atomic_compare_exchange_weak(&countdown, &n, n == 1 ? atomic_load(&then) : n - 1))
             return n == 1;
-    return n < 0;
+    return n == ALL;
 }
 
 void *vvi_calloc(size_t n, size_t size)

@@ -165,8 +165,7 @@ static void compare_maps(telling *t, const vv_object *to, const vv_property *p, 
     step_up(t, before);
     if (told || is_full(t))
         return;
-    t->json.text.n = n; /* as if nothing had been told of its entries */
-    t->json.text.s[n] = 0;
+    vvi_text_cut(&t->json.text, n); /* as if nothing had been told of its entries */
     t->json.fresh = fresh;
     tell_set(t, to, p);
 }

@@ -201,7 +201,7 @@ static char *world_text(vvi_client *client)
         vvi_result_raw(&r, changes ? "changes" : "world", changes ? changes : scene);
         vvi_result_close(&r, '}');
     }
-    char *text = vvi_text_take(&r.text);
+    char *text = scene || changes ? vvi_text_take(&r.text) : NULL;
     client->world_rest = vvi_session_world_rest(s, text ? strlen(text) : 0);
     if (!text) { /* it is told all of the next one */
         vv_object_release(&world->base);
@@ -289,7 +289,9 @@ static char *next_text(vvi_client *client, int64_t now)
         client->tells_world = client->tells_cameras = false;
         client->world_told = now;
         char *text = world_text(client);
-        client->changes_told = client->session->n_changes;
+        client->tells_world = !text; /* there was no memory: soon again */
+        if (text)
+            client->changes_told = client->session->n_changes;
         return text;
     }
     if (client->tells_pose && client->has_stand) {

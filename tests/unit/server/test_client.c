@@ -345,6 +345,32 @@ static char *long_text(size_t n)
     return text;
 }
 
+/* Whatever fails of telling it: what comes is whole, and the World comes in the end. */
+static void a_world_that_cannot_be_told_now_is_told_later(void **state)
+{
+    talk *t = *state;
+    bool failed = true;
+    for (int64_t n = 1; failed; n++) {
+        vvi_outgoing out;
+        rest(t); /* nobody else takes memory now */
+        t->client->tells_world = true;
+        t->client->world_told = 0;
+        free(t->session->told);
+        t->session->told = NULL;
+        vvi_alloc_fail_once(n);
+        const bool any = vvi_client_next(&out, t->client, vvi_now());
+        failed = vvi_alloc_has_failed();
+        vvi_alloc_fail_once(0);
+        if (any && !(out.text && strncmp(out.text, "{\"type\": \"world\"", 16) == 0 && strchr(out.text, '\n')))
+            fail_msg("'%s'", out.text ? out.text : "a frame");
+        assert_true(any || failed);
+        if (any)
+            free(out.text);
+        else
+            hear(t, "\"type\": \"world\"");
+    }
+}
+
 /* A World that is as long as hundreds of views are waits while the page is behind: what it says of its frame is read.
  */
 static void news_that_wait_hinder_no_page_to_be_heard(void **state)
@@ -360,6 +386,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_camera_that_was_worked_out_of_an_older_world_is_not_taken),
+        cmocka_unit_test(a_world_that_cannot_be_told_now_is_told_later),
         cmocka_unit_test(a_final_picture_is_outdated_before_an_edit_is_answered),
         cmocka_unit_test(only_the_picture_before_is_said_to_be_outdated),
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
