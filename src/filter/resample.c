@@ -13,6 +13,8 @@
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 16)
+/* Of one worker: where it takes more, rows are summed again for each row that they are for. */
+#define RING_BYTES ((size_t)4 << 20)
 
 typedef struct resample_params {
     vv_object object;
@@ -248,6 +250,7 @@ static size_t numbers_of_row(const shared *s)
 /* Of one worker. Rows of the input are summed along z once for each slice of the result, and then, as many of them as
  * have a part in a row of it, along y. */
 typedef struct rows {
+    size_t slots;
     int64_t *place; /* by slot of the ring: slice of the result and row of the input that it holds; -1: none */
     double *ring, *row, *sum, *made;
 } rows;
@@ -256,12 +259,14 @@ static vv_status start(void **scratch_out, void *user, int worker)
 {
     (void)worker;
     const shared *s = user;
-    const size_t n = numbers_of_row(s), slots = s->nearest ? 0 : (size_t)s->axis[1].most;
+    const size_t n = numbers_of_row(s), most = (size_t)s->axis[1].most;
+    const size_t slots = s->nearest ? 0 : most <= RING_BYTES / sizeof(double) / n ? most : 1;
     const size_t made = (size_t)s->making.slabs.box.n[0] * (size_t)vv_field_get_info(s->making.in)->components;
     const size_t bytes = sizeof(rows) + slots * sizeof(int64_t) + ((slots + 2) * n + made) * sizeof(double);
     rows *r = *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
     if (!r)
         return vv_fail_memory(bytes);
+    r->slots = slots;
     r->place = (int64_t *)(r + 1);
     r->ring = (double *)(r->place + slots);
     r->row = r->ring + slots * n;
@@ -289,7 +294,7 @@ static const double *sum_along_z(rows *r, const shared *s, const vv_brick *brick
 {
     const vvi_resample_axis *az = &s->axis[2];
     const size_t n = numbers_of_row(s);
-    const int64_t slot = y % s->axis[1].most, place = k * vv_field_get_info(s->making.in)->grid.dims[1] + y;
+    const int64_t slot = y % (int64_t)r->slots, place = k * vv_field_get_info(s->making.in)->grid.dims[1] + y;
     double *sum = r->ring + (size_t)slot * n;
     if (r->place[slot] == place)
         return sum;
