@@ -210,7 +210,7 @@ static vv_status run(cli_command *command)
         return st;
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
-            st = cli_render_plan(command, r.world, cli_rendering_view(&r), r.output);
+            st = cli_render_plan(command, r.world, r.recipe.view, r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
         else if ((st = render(&r)) == VV_OK && r.saved)
