@@ -230,7 +230,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
-    "volvis render head.nrrd -o poster.png --size 8192 --spp 64 --resume poster.part",
+    "volvis render head.nrrd -o poster.png --size 1200 --resume poster.part",
     "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
     "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
     "volvis render skin.ply -o skin.png",
