@@ -9,6 +9,7 @@
 #include "scene/resolve.h"
 #include "value.h"
 #include <inttypes.h>
+#include <volvis/render.h>
 
 /* Beside the image: the colours of a pass and, to tell the noise, the mean of half of them; or the coarse picture,
  * which is like the image. Once these are gone, what decorations need, and then the file. Least and largest values by
@@ -49,8 +50,33 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_world *world, const vv_data
     return VV_OK;
 }
 
-vv_status cli_render_plan(cli_command *command, const vv_world *world, const vv_view *view, const char *output)
+/* Data are read for it: what does not fit has been refused. */
+static vv_status tell_time(cli_command *command, vv_world *world, const char *view)
 {
+    double render_s = 0;
+    vv_render_report report;
+    vv_picture *picture;
+    vv_status st = vv_picture_new(&picture, world, view, false, command->job);
+    if (st != VV_OK)
+        return st;
+    st = vv_picture_estimate(&render_s, picture, command->job);
+    vv_picture_report(&report, picture);
+    vv_picture_free(picture);
+    if (st != VV_OK)
+        return st;
+    cli_command_line(
+        command, "takes",
+        "about %.2g s on %d %s, an estimate from a few tiles: %.2f s to read, %.2f s to prepare, %.2f s to render",
+        report.load_s + report.prepare_s + render_s, report.threads,
+        cli_plural((size_t)report.threads, "thread", "threads"), report.load_s, report.prepare_s, render_s);
+    vvi_result_number(&command->json, "estimated_s", report.load_s + report.prepare_s + render_s);
+    vvi_result_number(&command->json, "estimated_render_s", render_s);
+    return VV_OK;
+}
+
+vv_status cli_render_plan(cli_command *command, vv_world *world, const char *view_id, const char *output)
+{
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, view_id);
     uint64_t picture = 0, bytes;
     char needed[32];
     vv_status st = picture_bytes(&picture, world, view, command->job);
@@ -91,5 +117,6 @@ vv_status cli_render_plan(cli_command *command, const vv_world *world, const vv_
     vvi_result_integer(&command->json, "height", view->height);
     vvi_result_unsigned(&command->json, "memory_bytes", bytes);
     vvi_result_bool(&command->json, "dry_run", true);
-    return vvi_memory_plan(command->job, picture, "the picture");
+    st = vvi_memory_plan(command->job, picture, "the picture");
+    return st == VV_OK ? tell_time(command, world, view_id) : st;
 }

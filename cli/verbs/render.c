@@ -210,7 +210,7 @@ static vv_status run(cli_command *command)
         return st;
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
-            st = cli_render_plan(command, r.world, cli_rendering_view(&r), r.output);
+            st = cli_render_plan(command, r.world, r.recipe.view, r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
         else if ((st = render(&r)) == VV_OK && r.saved)
@@ -230,7 +230,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
-    "volvis render head.nrrd -o poster.png --size 8192 --spp 64 --resume poster.part",
+    "volvis render head.nrrd -o poster.png --size 1200 --resume poster.part",
     "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
     "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
     "volvis render skin.ply -o skin.png",

@@ -114,6 +114,13 @@ VV_API vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *v
  *          was gathered stays, and another step goes on
  */
 VV_API vv_status vv_picture_step(vv_picture *picture, const vv_picture_until *until, vv_job *job);
+/**
+ * About how many seconds all of it takes on this machine: at least the first tiles, half a second's worth of them from
+ * all over the picture, and a few passes where those are quick. An estimate; where noise may end it, the most.
+ *
+ * Errors   VV_E_ARGUMENT after the first step; those of vv_picture_step()
+ */
+VV_API vv_status vv_picture_estimate(double *seconds_out, vv_picture *picture, vv_job *job);
 /** Whether it is done: further steps do nothing. */
 VV_API bool vv_picture_is_whole(const vv_picture *picture);
 /** How much of it is done, 0 to 1, of what it may need at most: noise and time may end it before. */

@@ -51,6 +51,7 @@ typedef struct vvi_gathered {
 struct vv_picture {
     vv_scene *scene;
     void *state;     /**< the renderer's */
+    bool scattered;  /**< tiles of a stage come from all over it */
     bool coarse;     /**< coarse pictures are wanted first */
     vv_job *job;     /**< of the call that runs */
     const char *isa; /**< of that job, and its threads */

@@ -111,6 +111,18 @@ vv_status vvi_picture_loop(vv_picture *picture, const vvi_tiles *tiles)
     return st;
 }
 
+/* Indices 0 .. n - 1 in an order whose beginnings lie all over: steps of the golden section, made coprime to n. */
+static size_t scattered(size_t i, size_t n)
+{
+    size_t stride = (size_t)(0.6180339887 * (double)n) | 1, a = n, b = stride;
+    for (;; stride += 2, a = n, b = stride) {
+        for (size_t rest; b; a = b, b = rest)
+            rest = a % b;
+        if (a == 1)
+            return i * stride % n;
+    }
+}
+
 vv_status vvi_picture_go_on(bool *whole_out, vv_picture *picture, const vvi_tiles *tiles)
 {
     loop l = {.picture = picture, .tiles = tiles};
@@ -121,9 +133,11 @@ vv_status vvi_picture_go_on(bool *whole_out, vv_picture *picture, const vvi_tile
     uint32_t *index = vvi_alloc(picture->job, n * sizeof *index, VVI_MEM_SCRATCH);
     if (!index)
         return vv_fail_memory(n * sizeof *index);
-    for (size_t i = 0; i < n; i++)
-        if (!done[i])
-            index[n_left++] = (uint32_t)i;
+    for (size_t i = 0; i < n; i++) {
+        const size_t at = picture->scattered ? scattered(i, n) : i;
+        if (!done[at])
+            index[n_left++] = (uint32_t)at;
+    }
     l.index = index;
     const vv_status st = n_left ? run_items(&l, n_left) : VV_OK;
     vvi_free(index);

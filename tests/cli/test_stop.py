@@ -120,7 +120,7 @@ def test_ctrl_c_keeps_the_whole_passes_of_a_picture():
     assert ok("compare", "a.png", "b.png", "--json").json["identical"]
 
 
-LONG = ("render", "head.nrrd", "-o", "a.png", "--size", "700", "--spp", "200")
+LONG = ("render", "head.nrrd", "-o", "a.png", "--size", "400", "--spp", "40")
 
 
 def stop_with_checkpoint(*words):
