@@ -46,7 +46,7 @@ STREAMS = {
     "calc": ["a-b @ @2"],
     "mask": ["@ @2"],
     "bilateral": ["@ --sigma 0.5vox"],
-    "diffuse": ["@ --iterations 2"],
+    "diffuse": ["@ --iterations 2", "@ --iterations 8 --conductance rational"],
     "denoise": ["@ --search-voxels 1,1,1"],
     "add-noise": ["@ --sigma 3"],
     "distance": ["#", "# --side both"],

@@ -482,12 +482,42 @@ static void every_allocation_of_a_runtime_and_its_loops_can_fail(void **state)
         assert_true(test_fail_each_alloc(run_in_new_runtime, NULL) >= 4);
 }
 
+/* More than half of the limit each: helpers that come while another is there find no room. */
+static vv_status start_large(void **scratch_out, void *shared, int worker)
+{
+    *scratch_out = vvi_alloc(*(vv_job **)shared, (size_t)600 << 10, VVI_MEM_SCRATCH);
+    return *scratch_out ? VV_OK : vv_fail_memory((size_t)600 << 10);
+}
+
+static vv_status wait_a_little(void *scratch, void *shared, size_t index)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 200000}, NULL);
+    return VV_OK;
+}
+
+static void finish_large(void *scratch, void *shared)
+{
+    vvi_free(scratch);
+}
+
+static void threads_that_the_limit_has_no_room_for_stay_away(void **state)
+{
+    (void)state;
+    static const vvi_work work = {.start = start_large, .item = wait_a_little, .finish = finish_large};
+    vv_job *job = test_job(4, (uint64_t)1 << 20), *little = test_job(4, (uint64_t)256 << 10);
+    assert_int_equal(vvi_parallel_for(job, &work, &job, 100), VV_OK);
+    assert_int_equal(vvi_parallel_for(little, &work, &little, 100), VV_E_LIMIT); /* its own has none */
+    vv_job_release(job);
+    vv_job_release(little);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_is_done_once_for_any_thread_count),
         cmocka_unit_test(without_a_job_the_calling_thread_does_it_alone),
         cmocka_unit_test(several_threads_do_take_part),
+        cmocka_unit_test(threads_that_the_limit_has_no_room_for_stay_away),
         cmocka_unit_test(the_results_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(the_caller_s_rounding_mode_reaches_no_item_and_is_kept),
         cmocka_unit_test(the_lowest_failing_item_is_the_one_reported),
