@@ -289,7 +289,7 @@ def test_options_that_do_nothing_to_what_is_seen_are_refused():
                        (("box.ply", "--threshold", "1.."), "already"), (("box.ply", "--iso", "3"), "no iso-value"),
                        (("box.ply", "--tf", "bone"), "no values"), (("box.ply", "--range", "1..2"), "no values"),
                        (("box.ply", "--percentile", "1..2"), "is a mesh"), (("box.ply", "--slice", "axial"), "do not show meshes"),
-                       (("head.nrrd", "box.ply", "--tf", "head=hot"), "one colour"), (("box.ply", "--method", "slice"), "do not show meshes"), (("box.ply", "--frame", "3"), "no time steps")):
+                       (("head.nrrd", "box.ply", "--method", "surface", "--tf", "head=hot"), "one colour"), (("box.ply", "--method", "slice"), "do not show meshes"), (("box.ply", "--frame", "3"), "no time steps")):
         says(fails(2, "render", *words, "-o", "a.png", "--size", 16), why, words[-2][2:])
     for words, why in ((("--iso", "70", "--smoothing", "2"), "labels"), (("--iso", "70", "--by", "volume"), "--pieces or --least"),
                        (("--iso", "70", "--space", "world"), "--seed"), (("--iso", "70", "--stored"), "samples")):

@@ -112,9 +112,9 @@ static void find_opaque(vvi_mesh_sink *out, vvi_rays *rays, const vvi_raycast_st
         find_surfaces(&out->sink, rays, s, counts);
     else
         clear(&out->sink, rays->n);
+    memset(out->id, 0, sizeof out->id);
     if (!s->meshes.n)
         return;
-    memset(out->id, 0, sizeof out->id);
     vvi_ray_meshes_opaque(out, &s->meshes, rays);
     for (size_t i = 0; i < rays->n; i++)
         rays->far[i] = (double)out->sink.depth[i];
@@ -216,7 +216,7 @@ static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye
     if (any_opaque)
         put_behind(&front, &opaque.sink, rays.n);
     store(t, &rays, &front);
-    if (s->meshes.n && (t->image->id || t->image->normal))
+    if (any_opaque && s->meshes.n && (t->image->id || t->image->normal))
         store_meshes(t, &rays, &front, &opaque);
 }
 
