@@ -54,8 +54,11 @@ static vv_status choose_format(vv_file *file, const vv_read_options *options, vv
         const vv_status st = vv_error_last()->status;
         return st == VV_OK ? VV_E_READ : st;
     }
-    if (n == 0 && vvi_source_check_end(file->source) != VV_OK) /* coded data of which nothing could be read */
-        return vv_error_last()->status;
+    if (n == 0) { /* coded data, perhaps, of which nothing could be read */
+        const vv_status st = vvi_source_check_end(file->source);
+        if (st != VV_OK)
+            return st;
+    }
     return vvi_format_of_file(&file->format, head, n, vvi_source_name(file->source), registry);
 }
 

@@ -173,10 +173,12 @@ static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, co
         const vv_status st = vv_error_last()->status;
         return st != VV_OK ? st : VV_E_INTERNAL;
     }
-    if (n == 0 && vvi_source_check_end(source) != VV_OK) /* coded data of which nothing could be read */
-        return vv_error_last()->status;
-    if (n == 0)
-        return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is empty; copy or download it again");
+    if (n == 0) { /* or coded data of which nothing could be read */
+        const vv_status st = vvi_source_check_end(source);
+        return st != VV_OK
+                   ? st
+                   : vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is empty; copy or download it again");
+    }
     const int sure = vvi_mesh_format_of_head(out, head, n, path, registry);
     const char *kind = sure < 2 ? vvi_foreign_mark(head, n) : NULL;
     if (kind) /* a download that went wrong has the right name */

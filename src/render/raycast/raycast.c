@@ -150,7 +150,7 @@ static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *ra
 {
     vvi_mesh_sink layer;
     vvi_sink clouds;
-    double end[VVI_RAY_BATCH];
+    double end[VVI_RAY_BATCH] = {0};
     memcpy(end, rays->far, rays->n * sizeof *end);
     clear(out, rays->n);
     for (size_t n = 1; n > 0;) {
