@@ -204,6 +204,7 @@ typedef struct vv_label_options {
     vv_box box;             /**< of samples; n 0: all of them */
     const vv_plane *planes; /**< n_planes of them, as in vv_measure_options */
     size_t n_planes;
+    bool no_areas; /**< areas and what they say of volume_error are not worked out, which takes most of the time: NaN */
 } vv_label_options;
 
 /** What one label marks. Numbers of values are NaN without values, or where none is finite. */

@@ -301,8 +301,11 @@ vv_status vvi_about_label_counts(const vvi_about *about)
     const int64_t *dims = vv_field_get_info(about->options.field)->grid.dims;
     counted c = {.n_zero = (uint64_t)(dims[0] * dims[1] * dims[2]), .is_unsigned = is_unsigned(about)};
     vv_label_measures *measures = NULL;
+    vv_label_options options;
     size_t n_labels;
-    const vv_status st = vv_measure_labels(&measures, &c.n, about->options.field, NULL, about->job);
+    vv_label_options_init(&options, sizeof options);
+    options.no_areas = true;
+    const vv_status st = vv_measure_labels(&measures, &c.n, about->options.field, &options, about->job);
     if (st != VV_OK)
         return st;
     c.measures = measures;

@@ -1,5 +1,4 @@
 /* Pictures as text that a terminal shows: sixels, half blocks in colours, or shades of letters. */
-#include "core/memory.h"
 #include "core/status.h"
 #include "core/text.h"
 #include <math.h>
@@ -196,7 +195,7 @@ vv_status vv_image_letters(char **text_out, const vv_image *image, vv_letters ki
     const size_t n = (size_t)t.width * (size_t)t.height;
     vvi_text text = {0};
     *text_out = NULL;
-    if (!(t.rgb = vvi_calloc(n * 3, sizeof *t.rgb)))
+    if (!(t.rgb = calloc(n, 3 * sizeof *t.rgb)))
         return vv_fail_memory(n * 3 * sizeof *t.rgb);
     encode(t.rgb, image);
     if (kind == VV_LETTERS_SIXEL)

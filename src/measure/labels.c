@@ -44,6 +44,7 @@ typedef struct shared {
     const table *all;
     vvi_label_medians medians; /* by numbers of `all` */
     bool again;                /* after the first look: for the medians */
+    bool no_areas;
     _Atomic uint64_t *pattern; /* VVI_CONFIGURATIONS of each label; NULL: no memory for them */
 } shared;
 
@@ -324,7 +325,9 @@ static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
 {
     const table *t = s->all;
     vv_status st = second_look(s);
-    if (st == VV_OK && (st = vvi_label_patterns(&s->pattern, s->labels, &s->region, &t->set, s->job)) == VV_OK) {
+    if (st == VV_OK && !s->no_areas)
+        st = vvi_label_patterns(&s->pattern, s->labels, &s->region, &t->set, s->job);
+    if (st == VV_OK) {
         *out = vvi_alloc(s->job, (t->set.n + 1) * sizeof **out, VVI_MEM_DERIVED);
         if (!*out)
             return vv_fail_memory((t->set.n + 1) * sizeof **out);
@@ -385,6 +388,7 @@ vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_fie
         return st;
     const vv_box box = slices_of(labels, &o->box);
     s.to_world = grid->index_to_world;
+    s.no_areas = o->size >= sizeof *o && o->no_areas;
     s.slabs = vvi_slabs_of(&box, ITEM_SAMPLES);
     if ((st = first_look(&all, &s)) == VV_OK)
         st = collect(out, n_out, &s);

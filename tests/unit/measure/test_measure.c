@@ -801,6 +801,15 @@ static void the_areas_of_all_labels_are_those_of_each_alone(void **state)
             assert_true(l[i].bounds.lo.x == m.bounds.lo.x && l[i].bounds.hi.z == m.bounds.hi.z);
         }
         assert_true(b == 2 || n == 3);
+        vv_label_measures *quick;
+        size_t n_quick;
+        o.no_areas = true;
+        assert_int_equal(vv_measure_labels(&quick, &n_quick, f, &o, NULL), VV_OK);
+        assert_int_equal(n_quick, n);
+        for (size_t i = 0; i < n; i++)
+            assert_true(quick[i].label == l[i].label && quick[i].count == l[i].count && isnan(quick[i].area) &&
+                        isnan(quick[i].volume_error));
+        vv_label_measures_free(quick);
         vv_label_measures_free(l);
     }
     vv_field_release(f);
