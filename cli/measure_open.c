@@ -137,11 +137,9 @@ static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *
                              const vv_field *field, const char *word, char **planes)
 {
     vv_world *world = vv_model_snapshot(model);
-    vv_status st =
-        vvi_measured_volume_take(&out->volume, field, world, vvi_first_visible(world), recipe->view, command->job);
-    out->volume.data.name = out->input.path;
+    vv_status st = vvi_measured_volume_take(&out->volume, field, out->input.file, out->input.path, world,
+                                            vvi_first_visible(world), recipe->view, command->job);
     out->volume.data.given = word;
-    out->volume.data.labels = vv_file_labels(out->input.file, &out->volume.data.n_labels);
     vv_object_release(&world->base);
     if (st == VV_OK && planes)
         st = take_clip(planes, command, model);

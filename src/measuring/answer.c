@@ -97,6 +97,13 @@ void vvi_tell_figure(vv_answer *a, const vvi_figure *f)
     vvi_tell_figure_for(a, f, VV_FOR_ALL);
 }
 
+void vvi_tell(vv_answer *a, const char *key, const char *label, double value, double error, const char *unit)
+{
+    vvi_figure f = {.key = key, .label = label, .value = value, .error = error};
+    snprintf(f.unit, sizeof f.unit, "%s", unit);
+    vvi_tell_figure(a, &f);
+}
+
 void vvi_tell_rare(vv_answer *a, const char *key, const char *label, uint64_t count)
 {
     vvi_tell_figure_for(a, &(vvi_figure){.key = key, .label = label, .value = (double)count, .error = NAN},

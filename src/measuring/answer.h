@@ -38,6 +38,8 @@ const char *vvi_answer_copy(vv_answer *a, const char *text);
 
 /** For everybody. */
 void vvi_tell_figure(vv_answer *a, const vvi_figure *figure);
+/** The same of one without chance. */
+void vvi_tell(vv_answer *a, const char *key, const char *label, double value, double error, const char *unit);
 /** For some of vv_answer_for. */
 void vvi_tell_figure_for(vv_answer *a, const vvi_figure *figure, unsigned whom);
 /** A count that is told to people only where it is not 0. */

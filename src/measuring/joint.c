@@ -16,18 +16,12 @@ static void gradient_unit(char out[32], const vv_field_info *info)
 
 static void put_figures(vvi_measuring *m, const vv_joint *j)
 {
-    vvi_figure f = {.key = "count", .label = "samples", .value = (double)j->count, .error = NAN};
-    vvi_tell_figure(m->answer, &f);
+    char unit[32];
+    gradient_unit(unit, vv_field_get_info(m->field));
+    vvi_tell(m->answer, "count", "samples", (double)j->count, NAN, "");
     vvi_tell_rare(m->answer, "unknown", "no gradient", j->unknown);
-    gradient_unit(f.unit, vv_field_get_info(m->field));
-    f.key = "gradient_mean";
-    f.label = "mean gradient";
-    f.value = j->gradient_mean;
-    vvi_tell_figure(m->answer, &f);
-    f.key = "gradient_max";
-    f.label = "longest";
-    f.value = j->gradient_max;
-    vvi_tell_figure(m->answer, &f);
+    vvi_tell(m->answer, "gradient_mean", "mean gradient", j->gradient_mean, NAN, unit);
+    vvi_tell(m->answer, "gradient_max", "longest", j->gradient_max, NAN, unit);
 }
 
 /* The counts as one number: a scene keeps no table. */

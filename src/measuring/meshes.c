@@ -1,14 +1,6 @@
 /* Area, volume and box of meshes. */
 #include "measuring/meshes.h"
 #include <math.h>
-#include <stdio.h>
-
-static void put(vv_answer *a, const char *key, const char *label, const vv_figure *f)
-{
-    vvi_figure out = {.key = key, .label = label, .value = f->value, .error = f->error};
-    snprintf(out.unit, sizeof out.unit, "%s", f->unit);
-    vvi_tell_figure(a, &out);
-}
 
 static void put_place(vv_answer *a, const vv_mesh_measures *m, const char *unit)
 {
@@ -47,9 +39,9 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
                       : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
                                                              : "open: it has no volume");
     if (what & VVI_AREA)
-        put(a, "area", "area", &m->area);
+        vvi_tell(a, "area", "area", m->area.value, m->area.error, m->area.unit);
     if ((what & VVI_VOLUME) && (m->closed || what != VVI_EXTENT))
-        put(a, "volume", "volume", &m->volume);
+        vvi_tell(a, "volume", "volume", m->volume.value, m->volume.error, m->volume.unit);
     if (what & VVI_BOX)
         put_place(a, m, unit);
     if (m->inside_out)

@@ -58,13 +58,12 @@ vv_status vvi_measure_distance(vvi_measuring *m)
     const vv_status st = find_places(p, n, m, "distance");
     if (st != VV_OK)
         return st;
-    vvi_figure f = {.key = "distance", .label = n > 2 ? "length" : "distance"};
-    f.error = length_error(p, n, vvi_place_error(m));
+    double length = 0;
     for (size_t i = 0; i + 1 < n; i++)
-        f.value += vvi_length(vvi_sub(p[i + 1], p[i]));
-    vvi_power_unit(f.unit, grid->unit, 1);
+        length += vvi_length(vvi_sub(p[i + 1], p[i]));
     vvi_tell_text(m->answer, "unit", grid->unit);
-    vvi_tell_figure(m->answer, &f);
+    vvi_tell(m->answer, "distance", n > 2 ? "length" : "distance", length, length_error(p, n, vvi_place_error(m)),
+             grid->unit);
     return VV_OK;
 }
 
@@ -79,13 +78,8 @@ vv_status vvi_measure_angle(vvi_measuring *m)
     const double la = vvi_length(a), lb = vvi_length(b), degrees = 57.29577951308232;
     if (!(la > 0) || !(lb > 0))
         return vv_fail(VV_E_ARGUMENT, "an angle needs three places, the middle one beside the others");
-    const double e = vvi_place_error(m);
-    const vvi_figure f = {.key = "angle",
-                          .label = "angle",
-                          .unit = "deg",
-                          .value = atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees,
-                          .error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * e * degrees};
-    vvi_tell_figure(m->answer, &f);
+    const double error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * vvi_place_error(m) * degrees;
+    vvi_tell(m->answer, "angle", "angle", atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees, error, "deg");
     return VV_OK;
 }
 
@@ -113,12 +107,8 @@ vv_status vvi_measure_point(vvi_measuring *m)
     vvi_tell_numbers(m->answer, "index", index, 3);
     if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
         return st;
-    vvi_figure f = {.key = "value",
-                    .label = "value",
-                    .value = inside ? vvi_probe_value(&probe, index) : NAN,
-                    .error = inside ? vvi_probe_error(&probe, index) : NAN};
-    snprintf(f.unit, sizeof f.unit, "%s", info->value_unit);
-    vvi_tell_figure(m->answer, &f);
+    vvi_tell(m->answer, "value", "value", inside ? vvi_probe_value(&probe, index) : NAN,
+             inside ? vvi_probe_error(&probe, index) : NAN, info->value_unit);
     if (!inside)
         vvi_tell_note(m->answer, "the place lies outside the volume, and has no value");
     vvi_probe_close(&probe);

@@ -214,13 +214,6 @@ static vv_status find_points(vv_vec3 *out, double *error, size_t n, const surfac
     return VV_OK;
 }
 
-static void put_length(vv_answer *a, const char *key, const char *label, double value, double error, const surface *s)
-{
-    vvi_figure f = {.key = key, .label = label, .value = value, .error = error};
-    snprintf(f.unit, sizeof f.unit, "%s", unit_of(s));
-    vvi_tell_figure(a, &f);
-}
-
 /* error: as far as the place is known along each axis; NaN: it was given. */
 static void put_place(vv_answer *a, const char *key, vv_vec3 p, double error, const char *more)
 {
@@ -244,21 +237,27 @@ static vv_status to_surface(vv_answer *a, const surface *s)
     put_surface(a, s, "surface", "surface");
     vvi_tell_text(a, "unit", unit_of(s));
     put_place(a, "place", p, NAN, "");
-    put_length(a, "distance", "distance", foot.distance, hypot(known, s->off), s);
+    vvi_tell(a, "distance", "distance", foot.distance, hypot(known, s->off), unit_of(s));
     vvi_tell_number(a, "signed_distance", foot.signed_distance);
     put_place(a, "nearest", foot.at, hypot(known, s->off), foot.signed_distance < 0 ? ": the place is inside" : "");
     vv_mesh_tree_release(tree);
     return VV_OK;
 }
 
-vv_status vvi_measure_point_to_surface(vvi_measuring *m)
+/* What is asked of one surface. */
+static vv_status with_surface(const vvi_measuring *m, vv_status (*measure)(vv_answer *a, const surface *s))
 {
     surface s;
     vv_status st = open_surface(&s, m, m->input, false);
     if (st == VV_OK)
-        st = to_surface(m->answer, &s);
+        st = measure(m->answer, &s);
     close_surface(&s);
     return st;
+}
+
+vv_status vvi_measure_point_to_surface(vvi_measuring *m)
+{
+    return with_surface(m, to_surface);
 }
 
 /* Along a surface ---------------------------------------------------------------------------------------------------
@@ -288,9 +287,11 @@ static vv_status along(vv_answer *a, const surface *s)
         vvi_tell_text(a, "unit", unit_of(s));
         put_place(a, "from", from, hypot(known, s->off), "");
         put_place(a, "to", to, hypot(known, s->off), "");
-        put_length(a, "geodesic", "geodesic", length,
-                   path.length.error + hypot(hypot(sqrt(2) * known, surface_error), s->is_volume ? 0 : s->off), s);
-        put_length(a, "straight", "straight", vv_distance(from, to), hypot(sqrt(2) * known, sqrt(2) * s->off), s);
+        vvi_tell(a, "geodesic", "geodesic", length,
+                 path.length.error + hypot(hypot(sqrt(2) * known, surface_error), s->is_volume ? 0 : s->off),
+                 unit_of(s));
+        vvi_tell(a, "straight", "straight", vv_distance(from, to), hypot(sqrt(2) * known, sqrt(2) * s->off),
+                 unit_of(s));
         put_path(a, &path);
     }
     vv_mesh_path_finish(&path);
@@ -299,12 +300,7 @@ static vv_status along(vv_answer *a, const surface *s)
 
 vv_status vvi_measure_geodesic(vvi_measuring *m)
 {
-    surface s;
-    vv_status st = open_surface(&s, m, m->input, false);
-    if (st == VV_OK)
-        st = along(m->answer, &s);
-    close_surface(&s);
-    return st;
+    return with_surface(m, along);
 }
 
 /* Two surfaces ------------------------------------------------------------------------------------------------------
@@ -321,7 +317,7 @@ static void put_deviation(vv_answer *a, const char *key, const char *label, cons
     for (int i = 0; i < 3; i++) {
         snprintf(name, sizeof name, "%s_%s", key, figures[i].name);
         snprintf(line, sizeof line, "%s %s", label, figures[i].name);
-        put_length(a, name, line, figures[i].figure->value, figures[i].figure->error + off, s);
+        vvi_tell(a, name, line, figures[i].figure->value, figures[i].figure->error + off, unit_of(s));
     }
 }
 
@@ -339,10 +335,10 @@ static vv_status between(vv_answer *to, const surface *a, const surface *b)
         put_surface(to, a, "surface_a", "A");
         put_surface(to, b, "surface_b", "B");
         vvi_tell_text(to, "unit", unit_of(a));
-        put_length(to, "distance", "least", on_a.distance, off, a);
+        vvi_tell(to, "distance", "least", on_a.distance, off, unit_of(a));
         put_deviation(to, "a_to_b", "A to B", &d.a_to_b, a, off);
         put_deviation(to, "b_to_a", "B to A", &d.b_to_a, a, off);
-        put_length(to, "hausdorff", "Hausdorff", d.hausdorff.value, d.hausdorff.error + off, a);
+        vvi_tell(to, "hausdorff", "Hausdorff", d.hausdorff.value, d.hausdorff.error + off, unit_of(a));
     }
     vv_mesh_tree_release(tree_a);
     vv_mesh_tree_release(tree_b);

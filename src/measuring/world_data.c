@@ -28,6 +28,15 @@ const vv_volume *vvi_first_visible(const vv_world *world)
     return NULL;
 }
 
+const char *vvi_measured_volume_id(const vv_world *world, const char *named)
+{
+    const vv_collection *all = world->volumes;
+    for (size_t i = 0; i < all->n; i++)
+        if (named ? strcmp(all->entry[i].id, named) == 0 : volume_nth(world, i)->visible)
+            return all->entry[i].id;
+    return NULL;
+}
+
 static bool is_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
 {
     const vv_collection *all = world->datasets;
@@ -106,12 +115,15 @@ static void take_threshold(vv_measured_data *out, const vv_volume *v)
     out->hi = limited ? threshold->hi : INFINITY;
 }
 
-vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_world *world,
-                                   const vv_volume *v, const char *view, vv_job *job)
+vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file,
+                                   const char *name, const vv_world *world, const vv_volume *v, const char *view,
+                                   vv_job *job)
 {
     vv_field_info info = *vv_field_get_info(field);
     vv_measured_data *data = &out->data;
-    *out = (vvi_measured_volume){.data = {.place = vv_affine_identity(), .planes = out->planes, .hi = INFINITY}};
+    *out = (vvi_measured_volume){
+        .data = {.name = name, .place = vv_affine_identity(), .planes = out->planes, .hi = INFINITY}};
+    data->labels = file ? vv_file_labels(file, &data->n_labels) : NULL;
     take_planes(out, world->cut_planes, NULL);
     if (v && !shows_labels(field, v))
         data->ranged = vvi_world_surface_value(&data->lo, world, view, job);

@@ -23,16 +23,20 @@ typedef struct vvi_measured_meshes {
 
 /** The first visible volume of a World, or NULL. */
 const vv_volume *vvi_first_visible(const vv_world *world);
-/** Whether that is a mesh. */
+/** The id of the volume that a question names, else of the first visible one. NULL: there is none. */
+const char *vvi_measured_volume_id(const vv_world *world, const char *named);
+/** Whether the first visible volume is a mesh. */
 bool vvi_world_shows_meshes(const vv_world *world, vv_job *job);
 /** The value of the surface that a view's method shows of values (view "": the first); false: it shows none, or one
  * whose value nobody has set. Nothing is loaded. */
 bool vvi_world_surface_value(double *out, const vv_world *world, const char *view, vv_job *job);
 
 /** The samples of a volume, which are `field`, as the World has them; volume NULL: the samples alone, cut by its
- * planes. view: whose surface is the object, "": the first. *out stays where it is while it is used. */
-vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_world *world,
-                                   const vv_volume *volume, const char *view, vv_job *job);
+ * planes. file: what says how their labels are called; NULL: nothing does. name: for people. view: whose surface is the
+ * object, "": the first. *out stays where it is while it is used. */
+vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file,
+                                   const char *name, const vv_world *world, const vv_volume *volume, const char *view,
+                                   vv_job *job);
 void vvi_measured_volume_finish(vvi_measured_volume *volume);
 
 /** All visible meshes of a World, which lives as long, or that of one volume alone (its id; NULL: all). file: its name,

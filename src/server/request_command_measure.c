@@ -70,35 +70,27 @@ static bool is_file(const vv_volume *volume, const vvi_measured_volume *measured
     return measured->data.n_planes == 0;
 }
 
-/* The volume that is named, else the first that is visible. */
-static const char *id_of(const vv_world *world, const vv_measurement *m)
-{
-    const vv_volume *first = vvi_first_visible(world);
-    for (size_t i = 0; !m->volume && i < world->volumes->n; i++)
-        if (first && world->volumes->entry[i].object == &first->base)
-            return world->volumes->entry[i].id;
-    return m->volume ? m->volume : "";
-}
-
 /* The line of the file; *whole false: the file alone would be another answer. */
 static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, const vv_measurement *m, vv_job *job)
 {
-    const vv_dataset *dataset;
-    const vv_volume *volume = vvi_request_volume(r->world, id_of(r->world, m), &dataset);
+    const char *id = vvi_measured_volume_id(r->world, m->volume);
+    const vv_dataset *dataset = NULL;
+    const vv_volume *volume = id ? vvi_request_volume(r->world, id, &dataset) : NULL;
     vvi_measured_volume measured = {0};
     vv_field *field = NULL;
     *whole = false;
+    if (!id)
+        return vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' that could be measured", m->volume ? m->volume : "");
     if (!volume)
         return VV_E_NOT_FOUND;
     if (m->file || m->other || m->mask || m->values || vv_dataset_is_mesh(dataset, job))
         return VV_OK;
     vv_status st = vv_dataset_field(&field, r->world, dataset, volume->attribute, volume->frame, job);
     if (st == VV_OK)
-        st = vvi_measured_volume_take(&measured, field, r->world, volume, r->view, job);
+        st = vvi_measured_volume_take(&measured, field, NULL, "", r->world, volume, r->view, job);
     if (st == VV_OK && is_file(volume, &measured)) {
-        const char *id = volume->data ? volume->data : r->world->datasets->entry[0].id;
         *whole = true;
-        st = put_line(out, r, id, m, &measured.data, job);
+        st = put_line(out, r, volume->data ? volume->data : r->world->datasets->entry[0].id, m, &measured.data, job);
     }
     vvi_measured_volume_finish(&measured);
     vv_field_release(field);

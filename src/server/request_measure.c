@@ -70,12 +70,9 @@ static vv_status open_shown(source *s, const vvi_request *r, const vv_volume *vo
         return st;
     }
     vv_status st = vvi_request_open_origin(&s->file, r->world, dataset, job);
-    if (st == VV_OK && (st = read_samples(&field, s, r->world, dataset, volume, job)) == VV_OK &&
-        (st = vvi_measured_volume_take(&s->volume, field, r->world, volume, r->view, job)) == VV_OK) {
-        s->data = s->volume.data;
-        s->data.name = name;
-        s->data.labels = s->file ? vv_file_labels(s->file, &s->data.n_labels) : NULL;
-    }
+    if (st == VV_OK && (st = read_samples(&field, s, r->world, dataset, volume, job)) == VV_OK)
+        st = vvi_measured_volume_take(&s->volume, field, s->file, name, r->world, volume, r->view, job);
+    s->data = s->volume.data;
     vv_field_release(field);
     return st;
 }
@@ -106,23 +103,12 @@ static vv_status open_volume(source *s, const vvi_request *r, const char *id, co
     return volume ? open_shown(s, r, volume, dataset, name, job) : VV_E_NOT_FOUND;
 }
 
-/* The volume that is named, else the first that is visible. */
-static const char *first_id(const vvi_request *r)
-{
-    const vv_collection *all = r->world->volumes;
-    const vv_volume *first = vvi_first_visible(r->world);
-    for (size_t i = 0; i < all->n; i++)
-        if (r->name ? strcmp(all->entry[i].id, r->name) == 0 : all->entry[i].object == &first->base)
-            return all->entry[i].id;
-    return NULL;
-}
-
 /* A mesh is measured where the World has it, unless its kind has no such form. */
 static vv_status open_input(sources *s, const vvi_request *r, const vv_measurement *question, bool two, vv_job *job)
 {
     const vv_measure_kind *kind = vv_measure_kind_of(question);
     const size_t n_points = question->points ? question->points->n / 3 : 0;
-    const char *id = first_id(r);
+    const char *id = vvi_measured_volume_id(r->world, r->name);
     if (!id)
         return r->name ? vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s'", r->name)
                        : vv_fail(VV_E_NOT_FOUND, "nothing is visible that could be measured");
