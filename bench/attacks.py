@@ -170,6 +170,14 @@ def titles(server, _):
         {"op": "set", "path": "title", "value": f"{i}" + "x" * 4000}]})) for i in range(20)))
 
 
+def previews(server, _):
+    """Four pages that ask for previews of slow filters, each with another parameter, without waiting for any."""
+    return _flood(server, b"".join(message(json.dumps({"type": "preview", "id": i + 1, "operation": operation, "dataset": "ball-0", "whole": True,
+                                                       "parameters": {name: f"{1 + i / 10}vox"}}))
+                                   for i, (operation, name) in enumerate((("denoise", "search"), ("bilateral", "sigma"), ("vesselness", "sigma")) * 4)),
+                  (512, 512), n=4)
+
+
 def sizes(server, _):
     """A page whose window changes its size all the time, between nothing and 8192 x 8192."""
     return _flood(server, b"".join(message(f'{{"type": "size", "width": {w}, "height": {h}}}') for w, h in
@@ -249,6 +257,6 @@ def refused_requests(server, _):
 
 
 attacks = {"1000 slow heads": slow_heads, "small messages": small_messages, "pings": pings, "long messages": long_messages,
-           "long flawed messages": long_flawed_messages, "long events": long_events, "titles": titles, "sizes": sizes,
+           "long flawed messages": long_flawed_messages, "long events": long_events, "titles": titles, "previews": previews, "sizes": sizes,
            "one turns 8192 x 8192": turning, "uploads that trickle": trickling_uploads, "coming and going": coming_and_going,
            "upgrades without hello": silent_ones, "refused requests": refused_requests}

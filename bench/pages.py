@@ -254,7 +254,7 @@ class Page:
 
     def take_text(self, data):
         start = data[:60]
-        if b'"notice"' in start and b'"error"' in start:
+        if (b'"notice"' in start and b'"error"' in start) or b'"failed"' in start:
             self.crowd.errors.append(f"page {self.number}: {data[:200].decode()}")
         if not self.keeps_texts:
             return

@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LEVELS_MOST = 6, SPANS_MOST = 256, CUT_BINS = 1024, ITEM_SAMPLES = 1 << 15, SAMPLES_MOST = 1 << 18 };
+enum { LEVELS_MOST = 6, SPANS_MOST = 256, CUT_BINS = 1024, ITEM_SAMPLES = 1 << 15, SAMPLES_MOST = 1 << 18, LEAST = 64 };
 
 typedef struct bias_params {
     vv_object object;
@@ -190,6 +190,18 @@ static vv_status cut_off(finding *f)
     return st;
 }
 
+/* Where they are looked for, and what gives more of them. */
+static vv_status fail_few(size_t n, const finding *f)
+{
+    const char *where = f->mask       ? "in the mask"
+                        : given(f->p) ? "in the range"
+                                      : "above the limit that Otsu's method finds";
+    const char *more = f->mask ? "a larger mask" : given(f->p) ? "a wider --range" : "a --range or a mask";
+    return vv_fail(VV_E_ARGUMENT,
+                   "bias: the field needs %d samples with values above 0, and there are %zu %s: give %s%s", LEAST, n,
+                   where, more, f->every > 1 ? ", or --every 1 to look at all samples" : "");
+}
+
 /* Values first, then their logarithms; only those above 0 have one. */
 static vv_status take_samples(finding *f)
 {
@@ -214,12 +226,7 @@ static vv_status take_samples(finding *f)
         f->field[i] = 0;
         n += !isnan(f->log[i]);
     }
-    if (st == VV_OK && n < 64)
-        return vv_fail(VV_E_ARGUMENT,
-                       "bias: only %zu samples of those that are looked at count: give a --range or a "
-                       "mask where values are above 0, or --every 1",
-                       n);
-    return st;
+    return st == VV_OK && n < LEAST ? fail_few(n, f) : st;
 }
 
 /* Levels ---------------------------------------------------------------------------------------------------------- */

@@ -513,7 +513,7 @@ def test_bias_is_found_where_the_mask_says_by_any_number_of_threads():
     even = filtered(bright, "bias", "--range", "20..2000")
     assert np.isnan(even[3, 3, 3]) and np.isnan(even).sum() == 1
     same_by_any_number_of_threads(bright, "bias", "--levels", "2", "--range", "20..")
-    for words, part in ((("--range", "-5..-1"), "count"), (("--distance", "0.01"), "fewer levels"), (("mask=b.npy", "--range", "x"), "range")):
+    for words, part in ((("--range", "-5..-1"), "needs 64 samples with values above 0, and there are 0 in the range: give a wider --range"), (("--distance", "0.01"), "fewer levels"), (("mask=b.npy", "--range", "x"), "range")):
         result = volvis("bias", "a.npy", "-o", "d.npy", "--overwrite", *words)
         assert result.code != 0 and part in result.message, (words, result.message)
 
