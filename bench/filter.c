@@ -62,7 +62,7 @@ static vv_status run(int argc, char **argv, vv_job *job)
     }
     bench_sort(&times);
     if (st == VV_OK)
-        printf("{\"case\": \"%s\", \"threads\": %d, \"n\": %d, \"median_s\": %.5f, \"min_s\": %.5f, \"cpu_s\": %.5f, "
+        printf("{\"case\": \"%s\", \"threads\": %d, \"n\": %d, \"median_s\": %.8f, \"min_s\": %.8f, \"cpu_s\": %.8f, "
                "\"bytes\": %llu}\n",
                argv[1], vv_runtime_threads(vv_job_runtime(job)), runs, times.seconds[runs / 2], times.seconds[0],
                times.processor[runs / 2], (unsigned long long)(in_bytes + out_bytes));
