@@ -8,6 +8,7 @@
 #include "io/mesh_file.h"
 #include "model/dataset.h"
 #include "model/made_data.h"
+#include "model/object_hash.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -19,11 +20,6 @@ typedef struct request {
     int64_t frame;
 } request;
 
-static uint64_t hash_text(const char *text, uint64_t seed)
-{
-    return vvi_hash(text ? text : "", text ? strlen(text) + 1 : 0, seed);
-}
-
 static uint64_t hash_attached(const struct vv_dataset_fields *fields)
 {
     const uint64_t identity = fields->n ? vv_field_identity(fields->field[0]) : 0;
@@ -31,16 +27,17 @@ static uint64_t hash_attached(const struct vv_dataset_fields *fields)
     return vvi_hash(&mesh, sizeof mesh, vvi_hash(&identity, sizeof identity, 1));
 }
 
+static bool is_title(const void *user, const vv_object *owner, const vv_property *row)
+{
+    return strcmp(row->name, "title") == 0;
+}
+
 uint64_t vvi_dataset_content(const vv_dataset *d)
 {
     struct stat s;
     if (d->fields)
         return hash_attached(d->fields);
-    uint64_t hash = hash_text(d->path, hash_text(d->kind, 0));
-    hash = hash_text(d->format, hash);
-    hash = hash_text(d->part, hash);
-    hash = hash_text(d->raw, hash);
-    hash = hash_text(d->checksum, hash);
+    uint64_t hash = vvi_object_hash(&d->base, &(vvi_hash_rules){.leaves_out = is_title}, 0);
     if (d->path && !stat(d->path, &s)) {
         const int64_t parts[] = {(int64_t)s.st_dev, (int64_t)s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
         hash = vvi_hash(parts, sizeof parts, hash);

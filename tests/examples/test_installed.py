@@ -87,6 +87,9 @@ class Installed(unittest.TestCase):
     def test_work_is_watched_and_stopped(self):
         self.assertEqual(self.build("progress")(), "the hasty one: cancelled; the patient one: ok\n")
 
+    def test_a_picture_goes_on_from_a_file(self):
+        self.assertRegex(self.build("picture")(), r"^\d+ % of 800 x 800 pixels\nthe same bytes\n$")
+
     def test_rows_of_ones_own_stand_beside_those_that_are_built_in(self):
         self.build("own_rows", "format_dots", "operation_negative", "renderer_film")(".")
         ramp, negative = self.read("ramp.dots"), self.read("negative.dots")
