@@ -81,16 +81,9 @@ VV_INLINE vf3 label_gradient_of(const vvi_lattice *g, int type, const cell_at *c
     const axis_differences dx = find_differences(c->i, g->n[0]);
     const axis_differences dy = find_differences(c->j, g->n[1]);
     const axis_differences dz = find_differences(c->k, g->n[2]);
-    const vi up_y = y_up(g), up_z = z_up(g, type);
     vi y[4], z[4];
-    y[1] = y_offset(g, c->j);
-    y[0] = vi_select(dy.first, y[1], y[1] - up_y);
-    y[2] = y[1] + up_y;
-    y[3] = vi_select(dy.last, y[2], y[2] + up_y);
-    z[1] = z_offset(g, type, c->k);
-    z[0] = vi_select(dz.first, z[1], z[1] - up_z);
-    z[2] = z[1] + up_z;
-    z[3] = vi_select(dz.last, z[2], z[2] + up_z);
+    find_rows(y, y_offset(g, c->j), y_up(g), &dy);
+    find_rows(z, z_offset(g, type, c->k), z_up(g, type), &dz);
     vf in[2][2], gx[2][2], gy[2], gz[2];
     for (int i = 0; i < 4; i++) {
         vf q[4];

@@ -274,22 +274,24 @@ VV_INLINE vf difference(const axis_differences *d, vf below, vf a, vf b, vf abov
     return vf_lerp((b - below) * d->low, (above - a) * d->high, f);
 }
 
+/** Offsets of the four rows (slices) around a cell on one axis; past the border the border's own again. */
+VV_INLINE void find_rows(vi out[4], vi at, vi up, const axis_differences *d)
+{
+    out[1] = at;
+    out[0] = vi_select(d->first, at, at - up);
+    out[2] = at + up;
+    out[3] = vi_select(d->last, out[2], out[2] + up);
+}
+
 /** sample_gradient() where differences may be one-sided, and of all types. */
 VV_INLINE vf3 border_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
 {
     const axis_differences dx = find_differences(c->i, g->n[0]);
     const axis_differences dy = find_differences(c->j, g->n[1]);
     const axis_differences dz = find_differences(c->k, g->n[2]);
-    const vi up_y = y_up(g), up_z = z_up(g, type);
     vi y[4], z[4];
-    y[1] = y_offset(g, c->j);
-    y[0] = vi_select(dy.first, y[1], y[1] - up_y);
-    y[2] = y[1] + up_y;
-    y[3] = vi_select(dy.last, y[2], y[2] + up_y);
-    z[1] = z_offset(g, type, c->k);
-    z[0] = vi_select(dz.first, z[1], z[1] - up_z);
-    z[2] = z[1] + up_z;
-    z[3] = vi_select(dz.last, z[2], z[2] + up_z);
+    find_rows(y, y_offset(g, c->j), y_up(g), &dy);
+    find_rows(z, z_offset(g, type, c->k), z_up(g, type), &dz);
 
     vf in[2][2], gx[2][2]; /* [z][y]: value and x difference of the four rows through the cell */
     VV_UNROLL

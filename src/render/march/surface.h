@@ -200,7 +200,17 @@ VV_INLINE vm surface_empty(const walk *w, const vvi_march_volume *f, vm run, cel
     return vm_and(run, vi_lt(vi_set1(0), far));
 }
 
-VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_march_volume *f, int type, vm run)
+/** Which of the solid's bounds each ray comes from, and the sign by which a value beyond it is inside. */
+typedef struct surface_side {
+    vf target, sign;
+} surface_side;
+
+/** Looks for the border in the cells of lanes `run`, which they leave at s_out. */
+typedef void surface_cell_fn(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f, int type,
+                             const surface_side *side, vf s_out, vm run);
+
+VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
+                                    int type, const surface_side *side, vf s_out, vm run)
 {
     const vvi_lattice *g = &f->sampler.lattice;
     const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
@@ -214,7 +224,7 @@ VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_
 }
 
 VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
-                                   int type, vf target, vf side, vf s_out, vm run)
+                                   int type, const surface_side *side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
     const cell_at c = {w->cell[0], w->cell[1], w->cell[2], zero, zero, zero};
@@ -224,7 +234,7 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     vf best = vf_set1(-INFINITY);
     for (int i = 0; i < 8; i++) { /* from here on: how far inside the solid, as a share of the data's range */
         vf *corner = &v[i >> 2][i >> 1 & 1][i & 1];
-        *corner = (*corner - target) * side;
+        *corner = (*corner - side->target) * side->sign;
         best = vf_max(*corner, best);
     }
     const vm may = vm_and(run, vf_le(zero, best));
@@ -242,17 +252,27 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     st->hit = vm_or(st->hit, found);
 }
 
-VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_march_volume *f, int type, bool nearest)
+/* Asked at run time, as by all kernels of a type. */
+VV_INLINE void surface_own_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f, int type,
+                                const surface_side *side, vf s_out, vm run)
 {
-    const vf lo = vf_set1(f->solid.lo), hi = vf_set1(f->solid.hi);
+    if (f->sampler.nearest)
+        surface_nearest_cell(st, w, r, f, type, side, s_out, run);
+    else
+        surface_linear_cell(st, w, r, f, type, side, s_out, run);
+}
+
+/** From where rays enter, with the value v0 there, cell by cell to the border. */
+VV_INLINE void surface_walk(surface_state *st, const packet *r, const vvi_march_volume *f, vf v0, int type,
+                            bool nearest, surface_cell_fn *look)
+{
+    const vf lo = vf_set1(f->solid.lo), hi = vf_set1(f->solid.hi), unit = vf_set1(f->solid.unit);
     const vm rays = packet_promising(r);
-    const vf v0 = sample_value(&f->sampler.lattice, type, nearest, r->start, rays);
     st->flat = vm_and(rays, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
     st->hit = st->flat;
     /* outside, a value stays on its side of the solid's range until it enters */
     const vm above = vf_lt(hi, v0);
-    const vf unit = vf_set1(f->solid.unit);
-    const vf target = vf_select(above, hi, lo), side = vf_select(above, vf_set1(0.0f) - unit, unit);
+    const surface_side side = {vf_select(above, hi, lo), vf_select(above, vf_set1(0.0f) - unit, unit)};
     walk w;
     walk_begin(&w, r, f, nearest);
     vm run = vm_andnot(rays, st->hit);
@@ -266,13 +286,16 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_march
         }
         box = walk_cell(&w);
         const walk_out o = walk_find_exit(&w, r, &box);
-        if (nearest)
-            surface_nearest_cell(st, &w, f, type, run);
-        else
-            surface_linear_cell(st, &w, r, f, type, target, side, vf_min(o.s, r->n), run);
+        look(st, &w, r, f, type, &side, vf_min(o.s, r->n), run);
         run = vm_andnot(run, st->hit);
         run = vm_and(walk_step(&w, &o, run), vf_lt(w.s, r->last));
     }
+}
+
+VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_march_volume *f, int type, bool nearest)
+{
+    const vf v0 = sample_value(&f->sampler.lattice, type, nearest, r->start, packet_promising(r));
+    surface_walk(st, r, f, v0, type, nearest, surface_own_cell);
 }
 
 /** The colour of a surface where rays hit it. */

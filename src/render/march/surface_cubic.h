@@ -13,12 +13,8 @@
 /* Halvings of half a cell: to the last bit of the place in it. */
 enum { HALVINGS = 22 };
 
-/** Which of the solid's bounds a ray comes from, and how far inside a value is, below 0 outside. */
-typedef struct cubic_side {
-    vf target, sign;
-} cubic_side;
-
-VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_march_volume *f, vf s, vm m)
+/** How far inside a value is, below 0 outside. */
+VV_INLINE vf cubic_inside(const surface_side *side, const packet *r, const vvi_march_volume *f, vf s, vm m)
 {
     const vf3 p = packet_point(r, s);
     vf value;
@@ -28,7 +24,7 @@ VV_INLINE vf cubic_inside(const cubic_side *side, const packet *r, const vvi_mar
 }
 
 VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
-                                  const cubic_side *side, vf s_out, vm run)
+                                  int type, const surface_side *side, vf s_out, vm run)
 {
     const vf zero = vf_set1(0.0f), middle = (w->s + s_out) * vf_set1(0.5f);
     const vm first = vm_and(run, vf_le(zero, cubic_inside(side, r, f, middle, run)));
@@ -49,32 +45,10 @@ VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet
 
 VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_march_volume *f)
 {
-    const vf lo = vf_set1(f->solid.lo), hi = vf_set1(f->solid.hi), unit = vf_set1(f->solid.unit);
-    const vm rays = packet_promising(r);
     vf v0;
     vf3 unused;
-    cubic_sample(&v0, &unused, &f->sampler.lattice, &r->start, rays);
-    st->flat = vm_and(rays, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
-    st->hit = st->flat;
-    const vm above = vf_lt(hi, v0);
-    const cubic_side side = {vf_select(above, hi, lo), vf_select(above, vf_set1(0.0f) - unit, unit)};
-    walk w;
-    walk_begin(&w, r, f, false);
-    vm run = vm_andnot(rays, st->hit);
-    while (vm_any(run)) {
-        cell_box box;
-        const vm empty = f->skipper.reach ? surface_empty(&w, f, run, &box) : vm_none();
-        if (vm_any(empty)) {
-            const vm inside = walk_jump(&w, r, &box, empty);
-            run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->last));
-            continue;
-        }
-        box = walk_cell(&w);
-        const walk_out o = walk_find_exit(&w, r, &box);
-        surface_cubic_cell(st, &w, r, f, &side, vf_min(o.s, r->n), run);
-        run = vm_andnot(run, st->hit);
-        run = vm_and(walk_step(&w, &o, run), vf_lt(w.s, r->last));
-    }
+    cubic_sample(&v0, &unused, &f->sampler.lattice, &r->start, packet_promising(r));
+    surface_walk(st, r, f, v0, VVI_SAMPLE_F32, false, surface_cubic_cell);
 }
 
 VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_march_volume *f, vf rgb[3])
