@@ -10,6 +10,7 @@ struct vv_mesh {
     atomic_int references;
     vv_mesh_info info;
     vvi_mesh_arrays arrays;
+    _Atomic uint64_t checksum; /* with bit 32 set, once somebody has asked: a shared mesh changes no more */
 };
 
 static vv_status take(void *out, size_t n, size_t each, vv_job *job)
@@ -228,9 +229,8 @@ static uint32_t sum(uint32_t crc, const void *data, size_t n, size_t each)
     return data && n ? vvi_crc32(crc, data, n * each, vvi_crc_has_fold()) : crc;
 }
 
-uint32_t vv_mesh_checksum(const vv_mesh *mesh)
+static uint32_t sum_all(const vv_mesh_info *m)
 {
-    const vv_mesh_info *m = &mesh->info;
     uint32_t crc = sum(0, &m->origin, 1, sizeof m->origin);
     crc = sum(crc, m->positions, 3 * m->n_vertices, sizeof *m->positions);
     crc = sum(crc, m->normals, 3 * m->n_vertices, sizeof *m->normals);
@@ -242,6 +242,16 @@ uint32_t vv_mesh_checksum(const vv_mesh *mesh)
         crc = sum(crc, &m->parts[i].color, 1, sizeof m->parts[i].color);
     }
     return crc;
+}
+
+uint32_t vv_mesh_checksum(const vv_mesh *mesh)
+{
+    const uint64_t known = UINT64_C(1) << 32;
+    vv_mesh *m = (vv_mesh *)(uintptr_t)mesh;
+    uint64_t checksum = atomic_load(&m->checksum);
+    if (!checksum)
+        atomic_store(&m->checksum, checksum = known | sum_all(&mesh->info));
+    return (uint32_t)checksum;
 }
 
 vv_bounds vv_mesh_bounds(const vv_mesh *mesh)
