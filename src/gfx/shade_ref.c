@@ -1,5 +1,6 @@
 /* Light of one fragment, in double precision. */
 #include "gfx/lighting.h"
+#include "gfx/mesh_look.h"
 #include <volvis/image.h>
 
 static vv_vec3 vector_at(const float *numbers, uint32_t i)
@@ -28,43 +29,6 @@ static vv_vec3 mean(const vv_vec3 v[3], const double share[3])
     return vvi_add(vvi_add(vvi_scaled(v[0], share[0]), vvi_scaled(v[1], share[1])), vvi_scaled(v[2], share[2]));
 }
 
-/* Linear, not premultiplied. */
-static void color_of(double out[4], const vvi_gfx_draw *draw, uint32_t triangle, const uint32_t index[3],
-                     const double share[3])
-{
-    const vv_mesh_info *mesh = draw->surface.mesh;
-    vv_color c = draw->surface.color;
-    const double opacity = c.a;
-    if (!draw->surface.one_color && mesh->colors) {
-        c = (vv_color){0};
-        for (int k = 0; k < 3; k++) {
-            const uint8_t *v = mesh->colors + 4 * (size_t)index[k];
-            c.r += share[k] * vv_srgb_decode(v[0] / 255.0);
-            c.g += share[k] * vv_srgb_decode(v[1] / 255.0);
-            c.b += share[k] * vv_srgb_decode(v[2] / 255.0);
-            c.a += share[k] * v[3] / 255;
-        }
-        c.a *= opacity;
-    } else if (!draw->surface.one_color && mesh->parts) {
-        size_t i = 0;
-        while (i + 1 < mesh->n_parts && triangle >= mesh->parts[i].first_triangle + mesh->parts[i].n_triangles)
-            i++;
-        if (mesh->parts[i].color.a >= 0) {
-            c = mesh->parts[i].color;
-            c.a *= opacity;
-        }
-    }
-    out[0] = c.r, out[1] = c.g, out[2] = c.b, out[3] = c.a;
-}
-
-/* The gradient's way of turning under an affine map: cofactors, right up to a positive factor. */
-static vv_vec3 turned_normal(const vv_affine *a, vv_vec3 n, bool mirrored)
-{
-    const vv_vec3 x = vvi_cross(a->axis[1], a->axis[2]), y = vvi_cross(a->axis[2], a->axis[0]),
-                  z = vvi_cross(a->axis[0], a->axis[1]);
-    return vvi_scaled(vvi_add(vvi_add(vvi_scaled(x, n.x), vvi_scaled(y, n.y)), vvi_scaled(z, n.z)), mirrored ? -1 : 1);
-}
-
 void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
 {
     const vvi_gfx_view *view = draw->state.view;
@@ -75,30 +39,20 @@ void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
                                    vvi_scaled(view->lens.up, (view->middle_y - (double)f->y) / view->scale_y));
     vv_vec3 way = view->lens.parallel ? view->lens.forward : vvi_add(view->lens.forward, across);
     const vv_vec3 start = view->lens.parallel ? across : vvi_vec(0, 0, 0);
-    vv_vec3 corner[3], normal[3];
+    vv_vec3 corner[3];
     double share[3], rgba[4];
     vvi_unit(&way);
     for (int k = 0; k < 3; k++)
         corner[k] = vv_affine_point(draw->to_eye, vector_at(mesh->positions, index[k]));
     shares(share, start, way, corner);
     const vv_vec3 place = mean(corner, share), to_eye = vvi_scaled(way, -1);
-    vv_vec3 n = vvi_cross(vvi_sub(corner[1], corner[0]), vvi_sub(corner[2], corner[0]));
-    bool known = vvi_unit(&n);
-    n = vvi_scaled(n, draw->mirrored ? -1 : 1);
-    if (mesh->normals && !m->flat) {
-        for (int k = 0; k < 3; k++)
-            normal[k] = vector_at(mesh->normals, index[k]);
-        vv_vec3 smooth = turned_normal(&draw->to_eye, mean(normal, share), draw->mirrored);
-        if (vvi_unit(&smooth)) {
-            n = smooth;
-            known = true;
-        }
-    }
+    vv_vec3 n;
+    const bool known = vvi_gfx_normal_at(&n, mesh, &draw->to_eye, f->triangle, share, m->flat);
     if (!known)
         n = to_eye;
     if (m->sides == VVI_GFX_FACING && vvi_dot(n, to_eye) < 0)
         n = vvi_scaled(n, -1);
-    color_of(rgba, draw, f->triangle, index, share);
+    vvi_gfx_color_at(rgba, &draw->surface, NULL, f->triangle, share);
     const vvi_gloss gloss =
         vvi_gloss_of(m->model, m->ambient, m->diffuse, m->specular, m->shininess, draw->state.lights->ambient);
     const vvi_lit_point point = {.position = vvi_add(place, view->lens.eye),

@@ -2,7 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "gfx/gfx.h"
+#include "gfx/mesh_look.h"
 #include "grid/label_id.h"
 #include "render/picture.h"
 #include "render/pixel_value.h"
@@ -169,11 +169,7 @@ static void take_hit(vv_picked *out, const vv_mesh_actor *shape, const vvi_gfx_p
 static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const picking *p, size_t i)
 {
     const vv_mesh_actor *shape = &p->scene->mesh_actors[i];
-    *shown = *vv_mesh_get_info(shape->mesh);
-    if (shape->colors)
-        shown->colors = shape->colors;
-    const vvi_gfx_surface surface = {
-        .mesh = shown, .place = shape->place, .color = {.a = shape->opacity}, .one_color = shape->one_color};
+    const vvi_gfx_surface surface = vvi_gfx_surface_of(shown, shape);
     vvi_gfx_id(gfx, (uint32_t)(p->scene->n_actors + i + 1));
     const vv_status st = vvi_gfx_cuts(gfx, shape->look.planes, shape->look.n_planes);
     return st == VV_OK ? vvi_gfx_mesh(gfx, &surface) : st;

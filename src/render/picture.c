@@ -4,7 +4,7 @@
 #include "core/cpu_select.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "gfx/gfx.h"
+#include "gfx/mesh_look.h"
 #include "render/decorate/decorate.h"
 #include "scene/resolve.h"
 #include <string.h>
@@ -25,13 +25,9 @@ static void warn_of_nothing(const vv_picture *picture)
 
 static bool is_translucent(const vv_mesh_actor *shape)
 {
-    vv_mesh_info shown = *vv_mesh_get_info(shape->mesh);
-    if (shape->parts)
-        shown.parts = shape->parts;
-    if (shape->colors)
-        shown.colors = shape->colors;
-    return vvi_gfx_is_translucent(
-        &(vvi_gfx_surface){.mesh = &shown, .color.a = shape->opacity, .one_color = shape->one_color});
+    vv_mesh_info shown;
+    const vvi_gfx_surface surface = vvi_gfx_surface_of(&shown, shape);
+    return vvi_gfx_is_translucent(&surface);
 }
 
 /* They are blended over what the layers tell of, which is the first opaque thing. Said once, of the first of them. */

@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "core/vec.h"
-#include "gfx/gfx.h"
 #include "render/common/mesh_tree.h"
 #include <math.h>
 #include <string.h>
@@ -14,35 +13,20 @@
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-/* Cofactors turn normals as they turn planes, but for a factor; a mirror turns fronts into backs. */
-static vv_affine turn_of_normals(const vv_affine *place)
-{
-    const vv_vec3 *a = place->axis;
-    const double side = vv_affine_determinant(*place) < 0 ? -1 : 1;
-    return (vv_affine){.axis = {vvi_scaled(vvi_cross(a[1], a[2]), side), vvi_scaled(vvi_cross(a[2], a[0]), side),
-                                vvi_scaled(vvi_cross(a[0], a[1]), side)}};
-}
-
 static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index, vv_job *job)
 {
     const vv_mesh_actor *actor = &scene->mesh_actors[index];
     const vv_actor *look = &actor->look;
     *m = (vvi_ray_mesh){.actor = actor,
                         .id = (uint32_t)(scene->n_actors + index + 1),
-                        .shown = *vv_mesh_get_info(actor->mesh),
-                        .normals = turn_of_normals(&actor->place),
                         .gloss = vvi_gloss_of(look->shading_model, look->ambient, look->diffuse, look->specular,
                                               look->shininess, scene->ambient)};
-    if (actor->colors)
-        m->shown.colors = actor->colors;
-    if (actor->parts)
-        m->shown.parts = actor->parts;
+    m->surface = vvi_gfx_surface_of(&m->shown, actor);
     vv_affine shifted = actor->place; /* of positions without the origin */
     shifted.origin = vv_affine_point(actor->place, m->shown.origin);
     if (!vv_affine_invert(&m->to_mesh, shifted))
         return vv_fail(VV_E_ARGUMENT, "volumes.%s.place: flattens the mesh; give it a scale other than 0", look->id);
-    m->translucent = vvi_gfx_is_translucent(
-        &(vvi_gfx_surface){.mesh = &m->shown, .color.a = actor->opacity, .one_color = actor->one_color});
+    m->translucent = vvi_gfx_is_translucent(&m->surface);
     const vv_status st = vvi_mesh_tree_get(&m->tree, actor->mesh, job);
     if (st != VV_OK)
         return vv_fail_in(st, "volumes.%s", look->id);
@@ -58,8 +42,7 @@ vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job
         return VV_OK;
     if (!(out->mesh = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH)))
         return vv_fail_memory(bytes);
-    for (int i = 0; i < 256; i++)
-        out->decode[i] = (float)vv_srgb_decode(i / 255.0);
+    vvi_gfx_decode_init(&out->decode);
     for (size_t i = 0; i < scene->n_mesh_actors; i++) {
         if (!vv_mesh_get_info(scene->mesh_actors[i].mesh)->n_triangles)
             continue;
@@ -96,36 +79,11 @@ static vv_vec3 point_at(const passage *p, double distance)
     return vvi_add(p->origin, vvi_scaled(p->direction, distance));
 }
 
-static void color_at(double out[4], const passage *p, const vvi_mesh_hit *hit)
+static void shares_of(double out[3], const vvi_mesh_hit *hit)
 {
-    const vvi_ray_mesh *m = p->mesh;
-    const vv_mesh_info *shown = &m->shown;
-    const uint32_t *v = shown->triangles + 3 * (size_t)hit->triangle;
-    const double share[3] = {1 - (double)hit->u - (double)hit->v, (double)hit->u, (double)hit->v};
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)m->actor->look.color[c];
-    out[3] = m->actor->opacity;
-    if (m->actor->one_color)
-        return;
-    if (shown->colors) {
-        double sum[4] = {0};
-        for (int k = 0; k < 3; k++) {
-            const uint8_t *color = shown->colors + 4 * (size_t)v[k];
-            for (int c = 0; c < 3; c++)
-                sum[c] += share[k] * (double)p->meshes->decode[color[c]];
-            sum[3] += share[k] * color[3] / 255;
-        }
-        memcpy(out, sum, 3 * sizeof *sum);
-        out[3] *= sum[3];
-        return;
-    }
-    for (size_t i = 0; shown->parts && i < shown->n_parts; i++)
-        if (hit->triangle - shown->parts[i].first_triangle < shown->parts[i].n_triangles &&
-            shown->parts[i].color.a >= 0) {
-            const vv_color c = shown->parts[i].color;
-            out[0] = c.r, out[1] = c.g, out[2] = c.b;
-            out[3] *= c.a;
-        }
+    out[0] = 1 - (double)hit->u - (double)hit->v;
+    out[1] = (double)hit->u;
+    out[2] = (double)hit->v;
 }
 
 static bool take(void *user, const vvi_mesh_hit *hit)
@@ -138,8 +96,9 @@ static bool take(void *user, const vvi_mesh_hit *hit)
             return false;
     if (!p->mesh->translucent)
         return true;
-    double rgba[4];
-    color_at(rgba, p, hit);
+    double rgba[4], share[3];
+    shares_of(share, hit);
+    vvi_gfx_color_at(rgba, &p->mesh->surface, &p->meshes->decode, hit->triangle, share);
     return p->translucent ? rgba[3] < OPAQUE && rgba[3] > 0 : rgba[3] >= OPAQUE;
 }
 
@@ -174,42 +133,18 @@ static bool enter(vvi_mesh_ray *out, passage *p, double near, double far)
 
 /* Light ----------------------------------------------------------------------------------------------------------- */
 
-/* Turned to the eye; false: the triangle is flat, and its normal not known. */
-static bool normal_at(vv_vec3 *out, const passage *p, const vvi_mesh_hit *hit)
-{
-    const vv_mesh_info *m = &p->mesh->shown;
-    const uint32_t *v = m->triangles + 3 * (size_t)hit->triangle;
-    const double share[3] = {1 - (double)hit->u - (double)hit->v, (double)hit->u, (double)hit->v};
-    vv_vec3 corner[3], smooth = {0, 0, 0};
-    for (int k = 0; k < 3; k++) {
-        const float *at = m->positions + 3 * (size_t)v[k];
-        corner[k] = vvi_vec((double)at[0], (double)at[1], (double)at[2]);
-        if (m->normals) {
-            const float *n = m->normals + 3 * (size_t)v[k];
-            smooth = vvi_add(smooth, vvi_scaled(vvi_vec((double)n[0], (double)n[1], (double)n[2]), share[k]));
-        }
-    }
-    *out = vv_affine_vector(p->mesh->normals, smooth);
-    if (!vvi_unit(out)) {
-        *out =
-            vv_affine_vector(p->mesh->normals, vvi_cross(vvi_sub(corner[1], corner[0]), vvi_sub(corner[2], corner[0])));
-        if (!vvi_unit(out))
-            return false;
-    }
-    if (vvi_dot(*out, p->direction) > 0)
-        *out = vvi_scaled(*out, -1);
-    return true;
-}
-
 static void shade(vvi_mesh_sink *out, size_t i, const passage *p, const vvi_mesh_hit *hit)
 {
     const vv_scene *scene = p->meshes->scene;
     const double distance = p->start + (double)hit->distance;
-    double rgba[4];
-    vv_vec3 normal = {0, 0, 0};
-    color_at(rgba, p, hit);
-    const bool known = normal_at(&normal, p, hit);
+    const vvi_gfx_surface *surface = &p->mesh->surface;
     const vv_vec3 to_eye = vvi_scaled(p->direction, -1);
+    double rgba[4], share[3];
+    vv_vec3 normal;
+    shares_of(share, hit);
+    vvi_gfx_color_at(rgba, surface, &p->meshes->decode, hit->triangle, share);
+    const bool known = vvi_gfx_normal_at(&normal, surface->mesh, &surface->place, hit->triangle, share, false);
+    normal = !known ? vvi_vec(0, 0, 0) : vvi_dot(normal, to_eye) < 0 ? vvi_scaled(normal, -1) : normal;
     const vvi_lit_point point = {
         .position = point_at(p, distance), .normal = known ? normal : to_eye, .to_eye = to_eye, .surface = known};
     if (p->mesh->actor->look.shading_model != VV_SHADING_NONE)

@@ -5,6 +5,7 @@
 #define VVI_RENDER_RAYCAST_MESH_RAYS_H
 #include "core/cache.h"
 #include "gfx/lamp.h"
+#include "gfx/mesh_look.h"
 #include "render/march/rays.h"
 
 /** One mesh of a frame. */
@@ -12,10 +13,10 @@ typedef struct vvi_ray_mesh {
     const vv_mesh_actor *actor;
     uint32_t id; /**< as the id layer has it */
     vvi_cached *tree;
-    vv_mesh_info shown;  /**< with the colours that it is shown in */
-    vv_affine to_mesh;   /**< from the world to its positions, without their origin */
-    double lo[3], hi[3]; /**< of them */
-    vv_affine normals;   /**< turns them to the world, but for their length */
+    vv_mesh_info shown;
+    vvi_gfx_surface surface; /**< of `shown` */
+    vv_affine to_mesh;       /**< from the world to its positions, without their origin */
+    double lo[3], hi[3];     /**< of them */
     bool translucent;
     vvi_gloss gloss;
 } vvi_ray_mesh;
@@ -24,8 +25,8 @@ typedef struct vvi_ray_meshes {
     const vv_scene *scene;
     vvi_ray_mesh *mesh;
     size_t n;
-    bool translucent;  /**< some of them is */
-    float decode[256]; /**< sRGB to light */
+    bool translucent; /**< some of them is */
+    vvi_gfx_decode decode;
 } vvi_ray_meshes;
 
 /** What of meshes lies on the rays of a batch. Rays that meet none have depth INFINITY there. */

@@ -4,7 +4,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "gfx/gfx.h"
+#include "gfx/mesh_look.h"
 #include "grid/field.h"
 #include "registry.h"
 #include "surface/marching.h"
@@ -276,15 +276,7 @@ static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t
 /* With colours by value in the place of the mesh's own; `shown` lives as long as the picture. */
 static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_mesh_actor *shape, uint32_t id)
 {
-    *shown = *vv_mesh_get_info(shape->mesh);
-    if (shape->colors)
-        shown->colors = shape->colors;
-    if (shape->parts)
-        shown->parts = shape->parts;
-    const vvi_gfx_surface surface = {.mesh = shown,
-                                     .place = shape->place,
-                                     .color = color_of(&shape->look, shape->opacity),
-                                     .one_color = shape->one_color};
+    const vvi_gfx_surface surface = vvi_gfx_surface_of(shown, shape);
     const vv_status st = take_look(gfx, &shape->look, id);
     return st == VV_OK && shown->n_triangles ? vvi_gfx_mesh(gfx, &surface) : st;
 }

@@ -1,0 +1,26 @@
+/** @file
+ * What a mesh of a scene looks like: its colours and normals at a place of a triangle, for all that draw it.
+ */
+#ifndef VVI_GFX_MESH_LOOK_H
+#define VVI_GFX_MESH_LOOK_H
+#include "gfx/gfx.h"
+
+/** The surface that a mesh of a scene is drawn as. Its mesh is *shown, which gets the colours that it is shown in. */
+vvi_gfx_surface vvi_gfx_surface_of(vv_mesh_info *shown, const vv_mesh_actor *actor);
+
+/** sRGB of 8 bits to light. */
+typedef struct vvi_gfx_decode {
+    float light[256];
+} vvi_gfx_decode;
+void vvi_gfx_decode_init(vvi_gfx_decode *out);
+
+/** Linear colour and opacity, not premultiplied, at a place of a triangle that is given by the shares of its corners.
+ * decode NULL: in double precision. */
+void vvi_gfx_color_at(double rgba_out[4], const vvi_gfx_surface *surface, const vvi_gfx_decode *decode,
+                      uint32_t triangle, const double share[3]);
+
+/** The normal of the front there where the mesh is placed, length 1: that of the vertices, flat: of the triangle, as
+ * where these have none; false: it has no area, and none is known. */
+bool vvi_gfx_normal_at(vv_vec3 *out, const vv_mesh_info *mesh, const vv_affine *place, uint32_t triangle,
+                       const double share[3], bool flat);
+#endif
