@@ -2,6 +2,7 @@
 #include "choices.h"
 #include "core/names.h"
 #include "edits.h"
+#include "manipulate/directions.h"
 #include "measure.h"
 #include "model/context.h"
 #include "value.h"
@@ -82,7 +83,8 @@ static const char *type_name(const vv_registry *registry, size_t index)
 static const char *direction_name(const vv_registry *registry, size_t index)
 {
     (void)registry;
-    return cli_direction_name(index);
+    const vvi_direction *direction = vvi_direction_nth(index);
+    return direction ? direction->name : NULL;
 }
 
 static const char *layer_name(const vv_registry *registry, size_t index)

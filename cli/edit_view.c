@@ -1,50 +1,14 @@
 /* --view and --size. */
 #include "core/names.h"
 #include "edits.h"
+#include "manipulate/directions.h"
 #include "refusal.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
-#define ISOMETRIC 35.264389682754654 /* degrees: atan(1 / sqrt(2)) */
-
-/* `right` is the side of +x and `front` the side one looks at from the front: the same words for anatomical data,
- * whose front view looks the other way along y. `iso` has all three axes at one angle. */
-static const struct {
-    const char *name, *alias, *alias_too; /* NULL: none */
-    double azimuth, azimuth_ras, elevation;
-} directions[] = {
-    {"front", "anterior", NULL, 0, 0, 0},
-    {"back", "posterior", NULL, 180, 180, 0},
-    {"left", "-x", NULL, -90, 90, 0},
-    {"right", "+x", NULL, 90, -90, 0},
-    {"top", "superior", "+z", 0, 0, 90},
-    {"bottom", "inferior", "-z", 0, 0, -90},
-    {"iso", "isometric", NULL, 45, -45, ISOMETRIC},
-    {NULL, "+y", NULL, 180, 0, 0},
-    {NULL, "-y", NULL, 0, 180, 0},
-};
-enum { N_DIRECTIONS = sizeof directions / sizeof directions[0], MAX_NAMES = 64 };
-
-const char *cli_direction_name(size_t index)
-{
-    return index < N_DIRECTIONS ? directions[index].name : NULL;
-}
-
-/* Their number, letter case apart; N_DIRECTIONS: it is none of them. */
-static size_t find_direction(const char *typed)
-{
-    size_t i = 0;
-    for (; i < N_DIRECTIONS; i++) {
-        const char *const names[] = {directions[i].name, directions[i].alias, directions[i].alias_too};
-        for (size_t a = 0; a < sizeof names / sizeof names[0]; a++)
-            if (names[a] && strcasecmp(names[a], typed) == 0)
-                return i;
-    }
-    return i;
-}
+enum { MAX_NAMES = 64 };
 
 static vv_status set_number(cli_edits *edits, const char *option, double value, const char *property)
 {
@@ -89,15 +53,16 @@ static bool is_anatomical(cli_edits *edits)
 
 static vv_status fail_view(const char *typed, const vv_world *world)
 {
-    const char *names[MAX_NAMES], *aliases[4 * N_DIRECTIONS + 1];
+    const char *names[MAX_NAMES], *aliases[MAX_NAMES + 1];
+    const vvi_direction *d;
     size_t n = 0, n_aliases = 0;
-    for (size_t i = 0; i < N_DIRECTIONS; i++) {
-        const char *const too[] = {directions[i].alias, directions[i].alias_too};
-        names[n++] = directions[i].name ? directions[i].name : directions[i].alias;
+    for (size_t i = 0; (d = vvi_direction_nth(i)) != NULL; i++) {
+        const char *const too[] = {d->alias, d->alias_too};
+        names[n++] = d->name ? d->name : d->alias;
         for (size_t a = 0; a < 2; a++)
-            if (too[a] && directions[i].name) {
+            if (too[a] && d->name) {
                 aliases[n_aliases++] = too[a];
-                aliases[n_aliases++] = directions[i].name;
+                aliases[n_aliases++] = d->name;
             }
     }
     aliases[n_aliases] = NULL;
@@ -110,10 +75,9 @@ static vv_status fail_view(const char *typed, const vv_world *world)
 static vv_status edit_direction(cli_edits *edits, const char *typed)
 {
     double angles[3];
-    const size_t i = find_direction(typed);
-    if (i < N_DIRECTIONS)
-        return look_from(edits, is_anatomical(edits) ? directions[i].azimuth_ras : directions[i].azimuth,
-                         directions[i].elevation, NULL);
+    const vvi_direction *d = vvi_direction_find(typed);
+    if (d)
+        return look_from(edits, vvi_direction_azimuth(d, is_anatomical(edits)), d->elevation, NULL);
     if (cli_value_numbers(angles, 2, typed, false) == VV_OK)
         return look_from(edits, angles[0], angles[1], NULL);
     if (cli_value_numbers(angles, 3, typed, false) == VV_OK)

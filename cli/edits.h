@@ -90,8 +90,6 @@ vv_status cli_edit_channels(cli_edits *edits);
 vv_status cli_edit_clip(cli_edits *edits);     /* --clip */
 vv_status cli_edit_switches(cli_edits *edits); /* --aov, --decorate */
 vv_status cli_edit_paths(cli_edits *edits);    /* --set */
-/** "front", "back", ... by number: what --view takes beside angles; NULL past the last. */
-const char *cli_direction_name(size_t index);
 /** "cube", "scale-bar", ... by number: what --decorate takes, and after them "all" and "none"; NULL past the last. */
 const char *cli_decoration_word(size_t index);
 /** The layers that a view asks for: vv_layer. */

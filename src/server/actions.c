@@ -1,21 +1,12 @@
 /* What is asked for by name. */
 #include "core/memory.h"
+#include "manipulate/directions.h"
 #include "server/session_impl.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Azimuth of data whose front is seen along y, and against it; elevation; degrees. As --view has them. */
-static const struct {
-    const char *name;
-    double azimuth, azimuth_anatomical, elevation;
-} directions[] = {
-    {"front", 0, 0, 0}, {"back", 180, 180, 0}, {"left", -90, 90, 0},          {"right", 90, -90, 0},
-    {"top", 0, 0, 90},  {"bottom", 0, 0, -90}, {"isometric", 45, 45, 35.264},
-};
-enum { N_DIRECTIONS = sizeof directions / sizeof *directions };
 
 /* The whole scene, seen from there: the camera's own place is left to be worked out. */
 static void look_from(vvi_client *client, double azimuth, double elevation, int64_t now)
@@ -72,11 +63,9 @@ static void take_back(vvi_client *client, bool redo)
 bool vvi_client_action(vvi_client *client, const char *name, int64_t now)
 {
     double angles[2];
-    for (int i = 0; i < N_DIRECTIONS; i++) {
-        if (strcmp(directions[i].name, name) != 0)
-            continue;
-        look_from(client, client->stand.anatomical ? directions[i].azimuth_anatomical : directions[i].azimuth,
-                  directions[i].elevation, now);
+    const vvi_direction *direction = vvi_direction_find(name);
+    if (direction) {
+        look_from(client, vvi_direction_azimuth(direction, client->stand.anatomical), direction->elevation, now);
         return true;
     }
     if (strcmp(name, "fit") == 0 && client->has_stand) {

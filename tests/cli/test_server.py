@@ -793,6 +793,27 @@ def test_one_goes_back_to_where_one_stood():
         run(look())
 
 
+def test_the_page_looks_from_where_the_program_does():
+    """By the names that both have, at data whose front is seen along y and at anatomical ones."""
+    for file, space in (("plain.nrrd", "space dimension: 3"), ("head.nrrd", "space: right-anterior-superior")):
+        with open(file, "wb") as out:
+            out.write(f"NRRD0004\ntype: uint8\ndimension: 3\n{space}\nsizes: 8 8 8\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+                      "encoding: raw\n\n".encode() + bytes(range(256)) * 2)
+        with Server(file) as server:
+            async def look():
+                async with Page(server) as page:
+                    await page.resting()
+                    for name in ("top", "back", "left", "right", "bottom", "isometric", "front"):
+                        await page.say("action", name=name)
+                        await page.resting()
+                        ok("render", file, "--view", name, "--size", "8", "-o", "a.png", "--overwrite", "--save-scene", "a.vv.json")
+                        camera = json.load(open("a.vv.json"))["views"]["main"]["camera"]
+                        ways = [np.subtract(c["eye"], c["at"]) for c in (page.pose, camera)]
+                        ways = [way / np.linalg.norm(way) for way in ways]
+                        assert np.allclose(*ways, atol=1e-6), (file, name, ways)
+            run(look())
+
+
 def test_a_unix_socket_is_for_its_owner_alone():
     write_ball()
     with Server("ball.nrrd", "--socket", "here.sock") as server:
