@@ -1,4 +1,5 @@
 /* Which methods and modes have a use for an option: their rows say it, and options without any use are refused. */
+#include "core/names.h"
 #include "core/text.h"
 #include "edits.h"
 #include "model/context.h"
@@ -15,32 +16,6 @@ typedef struct use {
     const char *param; /* NULL: an aspect */
     vv_aspect aspect;
 } use;
-
-/* The word at *at of a list with bars between, *n letters long; the next one is at the new *at. */
-static const char *next_word(const char **at, size_t *n)
-{
-    const char *word = *at;
-    *n = strcspn(word, "|");
-    *at = word + *n + (word[*n] == '|');
-    return *n ? word : NULL;
-}
-
-static bool is_among(const char *words, const char *wanted)
-{
-    const char *word;
-    size_t n;
-    while ((word = next_word(&words, &n)))
-        if (strlen(wanted) == n && memcmp(word, wanted, n) == 0)
-            return true;
-    return false;
-}
-
-/* Whether a row with "when" acts in this mode. */
-static bool acts_in(const vv_property *row, const char *mode)
-{
-    const char *equals = row->when ? strchr(row->when, '=') : NULL;
-    return !equals || !mode || is_among(equals + 1, mode);
-}
 
 static const vv_property *mode_row(const vv_renderer *renderer)
 {
@@ -59,7 +34,7 @@ static bool heeds(const vv_renderer *renderer, const vv_object *params, vv_aspec
 static bool is_used(const use *u, const vv_renderer *renderer, const char *mode, const vv_object *params)
 {
     const vv_property *row = u->param && renderer->params ? vv_class_find(renderer->params, u->param) : NULL;
-    return u->param ? row && acts_in(row, mode) : heeds(renderer, params, u->aspect);
+    return u->param ? row && (!mode || vvi_property_acts_with(row, mode)) : heeds(renderer, params, u->aspect);
 }
 
 /* Who takes the option ------------------------------------------------------------------------------------------- */

@@ -1,4 +1,5 @@
 #include "refusal.h"
+#include "core/names.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,28 +65,22 @@ static vv_status refuse_for_data(const char *option, const char *wanted, const c
 }
 
 /* "method=range|hysteresis": of another parameter, which has one of these words. */
-static vv_status refuse_for_word(const char *option, const char *when, const vv_object *params)
+static vv_status refuse_for_word(const char *option, const vv_property *row, const vv_object *params)
 {
-    char name[64], word[64], other[64];
-    const size_t n = strcspn(when, "=");
-    char *json = NULL;
+    const vv_property *choice = vvi_property_choice(params->cls, row);
+    char other[64];
     vvi_text words = {0};
-    snprintf(name, sizeof name, "%.*s", (int)n, when);
-    const vv_property *row = vv_class_find(params->cls, name);
-    vv_status st = row ? vv_path_get(&json, params, name) : VV_OK;
-    bool is_one = !json;
-    for (const char *at = when + n; json && *at && !is_one; at += strcspn(at + 1, "|") + 1) {
-        snprintf(word, sizeof word, "%.*s", (int)strcspn(at + 1, "|"), at + 1);
-        is_one = strlen(json) == strlen(word) + 2 && strncmp(json + 1, word, strlen(word)) == 0;
-        vvi_text_printf(&words, "%s%s", words.n ? " or " : "", word);
-    }
-    if (!is_one) {
-        cli_option_name(other, row);
-        st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with --%s %.*s: it is for %s; omit it", option, other,
-                     (int)strlen(json) - 2, json + 1, words.bad ? "others" : words.s);
-    }
+    if (!choice)
+        return VV_OK;
+    const char *chosen = choice->names[*(const int *)(const void *)((const char *)params + choice->offset)];
+    if (vvi_property_acts_with(row, chosen))
+        return VV_OK;
+    for (const char *at = strchr(row->when, '='); *at; at += strcspn(at + 1, "|") + 1)
+        vvi_text_printf(&words, "%s%.*s", *at == '|' ? " or " : "", (int)strcspn(at + 1, "|"), at + 1);
+    cli_option_name(other, choice);
+    const vv_status st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with --%s %s: it is for %s; omit it", option, other,
+                                 chosen, words.bad ? "others" : words.s);
     vvi_text_free(&words);
-    free(json);
     return st;
 }
 
@@ -111,7 +106,7 @@ vv_status cli_refuse_idle(const cli_command *command, const vv_object *params, c
         cli_option_name(option, row);
         st = strncmp(row->when, of_data, sizeof of_data - 1) == 0
                  ? refuse_for_data(option, row->when + sizeof of_data - 1, data)
-             : strchr(row->when, '=') ? refuse_for_word(option, row->when, params)
+             : strchr(row->when, '=') ? refuse_for_word(option, row, params)
                                       : refuse_alone(option, row->when, params);
         cli_refused(command, option, st);
     }

@@ -5,6 +5,7 @@
 #define VVI_CORE_NAMES_H
 #include "core/status.h"
 #include "core/text.h"
+#include <volvis/property.h>
 
 /** So many names a sentence lists; of more it tells where they are listed. */
 enum { VVI_KNOWN_LISTED = 48 };
@@ -28,4 +29,8 @@ void vvi_known_add(vvi_text *out, const char *typed, const vvi_known *names);
 vv_status vvi_fail_name(vv_status status, const char *file, const char *where, const char *typed,
                         const vvi_known *names, const char *format, ...) VV_PRINTF(6, 7);
 
+/** Whether a row acts while the enum that its `when` names has this word; true of rows that name none. */
+bool vvi_property_acts_with(const vv_property *row, const char *word);
+/** The enum that a row's `when` names, in its class; NULL: none. */
+const vv_property *vvi_property_choice(const vv_class *cls, const vv_property *row);
 #endif

@@ -110,3 +110,31 @@ vv_status vvi_fail_unknown_entry(const vvi_place *place, const vv_collection *co
     vvi_free(names);
     return st;
 }
+
+/* What `when` says before and behind its "=" ----------------------------------------------------------------------- */
+
+bool vvi_property_acts_with(const vv_property *row, const char *word)
+{
+    const char *at = row->when ? strchr(row->when, '=') : NULL;
+    if (!at)
+        return true;
+    const size_t n = strlen(word);
+    for (at++; strncmp(at, word, n) != 0 || (at[n] && at[n] != '|'); at++) {
+        at += strcspn(at, "|");
+        if (!*at)
+            return false;
+    }
+    return true;
+}
+
+const vv_property *vvi_property_choice(const vv_class *cls, const vv_property *row)
+{
+    char name[64];
+    const size_t n = row->when ? strcspn(row->when, "=") : 0;
+    if (n == 0 || n >= sizeof name || row->when[n] != '=')
+        return NULL;
+    memcpy(name, row->when, n);
+    name[n] = 0;
+    const vv_property *choice = vv_class_find(cls, name);
+    return choice && choice->kind == VV_KIND_ENUM ? choice : NULL;
+}

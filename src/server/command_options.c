@@ -1,5 +1,6 @@
 /* Objects as options of a command line, and words as a shell takes them. */
 #include "core/memory.h"
+#include "core/names.h"
 #include "core/units.h"
 #include "server/command.h"
 
@@ -76,18 +77,9 @@ static void put_option(vvi_text *out, const vv_property *row, const char *json)
 /* Whether it says nothing beside a choice that is another, as in "kind=box|ellipse". */
 static bool is_idle(const vv_property *row, const vv_object *params)
 {
-    const char *equals = row->when ? strchr(row->when, '=') : NULL;
-    char name[64];
-    snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - row->when) : 0, row->when ? row->when : "");
-    const vv_property *choice = equals ? vv_class_find(params->cls, name) : NULL;
-    if (!choice || choice->kind != VV_KIND_ENUM)
-        return false;
-    const char *chosen = choice->names[*(const int *)(const void *)((const char *)params + choice->offset)];
-    const size_t n = strlen(chosen);
-    for (const char *at = equals; (at = strstr(at + 1, chosen)) != NULL;)
-        if (strchr("=|", at[-1]) && strchr("|", at[n]))
-            return false;
-    return true;
+    const vv_property *choice = vvi_property_choice(params->cls, row);
+    return choice && !vvi_property_acts_with(
+                         row, choice->names[*(const int *)(const void *)((const char *)params + choice->offset)]);
 }
 
 vv_status vvi_command_options(vvi_text *out, const vv_object *params)
