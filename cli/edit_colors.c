@@ -75,6 +75,6 @@ static vv_status edit_opacity(cli_edits *edits, const char *typed, const char *i
 vv_status cli_edit_colors(cli_edits *edits)
 {
     const cli_look *o = edits->look;
-    vv_status st = o->color ? cli_edit_each(edits, "color", edit_color) : VV_OK;
-    return st == VV_OK && o->opacity ? cli_edit_each(edits, "opacity", edit_opacity) : st;
+    vv_status st = o->color ? cli_edit_each(edits, "color", false, edit_color) : VV_OK;
+    return st == VV_OK && o->opacity ? cli_edit_each(edits, "opacity", false, edit_opacity) : st;
 }

@@ -1,6 +1,7 @@
 /* Options about volumes: which of them a value is for. */
 #include "core/names.h"
 #include "edits.h"
+#include "input.h"
 #include "refusal.h"
 #include <stdio.h>
 #include <string.h>
@@ -91,7 +92,20 @@ static void note_all(const cli_edits *edits, const vv_collection *volumes, const
                      t->typed, volumes->n, option, volumes->entry[volumes->n - 1].id, t->typed);
 }
 
-vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn)
+/* A mesh without values at its vertices: what is said of the values of all is not for it. */
+static bool is_bare_mesh(const cli_edits *edits, const vv_world *world, const vv_volume *volume)
+{
+    const vv_dataset *dataset = cli_input_dataset(world, volume);
+    vv_mesh *mesh = NULL;
+    if (!dataset || !vv_dataset_is_mesh(dataset, edits->command->job) ||
+        vv_dataset_mesh(&mesh, world, dataset, edits->command->job) != VV_OK)
+        return false;
+    const bool bare = !vv_mesh_get_info(mesh)->values;
+    vv_mesh_release(mesh);
+    return bare;
+}
+
+vv_status cli_edit_each(cli_edits *edits, const char *option, bool of_values, cli_edit_value_fn *fn)
 {
     const cli_args *args = &edits->command->args;
     vv_world *world = vv_model_snapshot(edits->model);
@@ -102,11 +116,14 @@ vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn 
         if (given->cls != &cli_look_class || strcmp(given->row->name, option) != 0)
             continue;
         st = find_target(&t, edits, world->volumes, option, given);
-        if (st == VV_OK)
+        const vv_object *last = world->volumes->n ? world->volumes->entry[world->volumes->n - 1].object : NULL;
+        if (st == VV_OK && last && !(of_values && is_bare_mesh(edits, world, (const vv_volume *)(const void *)last)))
             note_all(edits, world->volumes, option, given, &t);
         for (size_t i = t.lo; i < t.hi && i < world->volumes->n && st == VV_OK; i++) {
             const vv_entry *entry = &world->volumes->entry[i];
-            st = fn(edits, t.typed, entry->id, (const vv_volume *)(const void *)entry->object);
+            const vv_volume *volume = (const vv_volume *)(const void *)entry->object;
+            if (!(of_values && t.hi - t.lo > 1 && is_bare_mesh(edits, world, volume)))
+                st = fn(edits, t.typed, entry->id, volume);
         }
     }
     vv_object_release(&world->base);

@@ -410,6 +410,6 @@ vv_status cli_edit_transfer(cli_edits *edits)
             vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them"));
     for (size_t i = 0; i < sizeof values / sizeof *values && st == VV_OK; i++)
         if (cli_look_text(o, values[i].option))
-            st = cli_edit_each(edits, values[i].option, values[i].edit);
+            st = cli_edit_each(edits, values[i].option, true, values[i].edit);
     return st;
 }

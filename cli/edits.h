@@ -62,9 +62,10 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 /** Call for every volume that a value of an option is for, each time it is given: `typed` is what stands after ID=.
  *
  * ID=VALUE is for the volume of that name. With several inputs a value that is given between two is for the one before,
- * and so is one after the last where others were given before; all others are for every volume. */
+ * and so is one after the last where others were given before; all others are for every volume. of_values: what the
+ * option says is about values, so that one for several volumes passes by meshes that have none. */
 typedef vv_status cli_edit_value_fn(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume);
-vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn);
+vv_status cli_edit_each(cli_edits *edits, const char *option, bool of_values, cli_edit_value_fn *fn);
 /** Whether an option is one of those: --tf, --range, ... */
 bool cli_edit_is_each(const cli_given *given);
 /** Whether one of them stands between two inputs. */

@@ -108,6 +108,9 @@ def test_a_mesh_in_a_cloud_is_seen_through_it_and_picked():
     assert report["method"] == "raycast"
     red = pixels("out.png")[..., 0] > 20
     assert abs(red.sum() / (math.pi * 12 * 12) - 1) < 0.05, red.sum()
+    general = [word.replace("fog=", "") for word in look]
+    told = ok("render", "fog.nrrd", "ball.ply", *general, "--spp", "1", "-o", "general.png")
+    assert "no values" not in told.message and (pixels("general.png") == pixels("out.png")).all(), told.message
     there, away = ok("pick", "fog.nrrd", "ball.ply", *look, "--pixel", "30,30", "--pixel", "12,12", "--json").json["pixels"]
     assert there["volume"] == "ball" and abs(there["world"][2] - 11.5) < 0.1, there
     assert not away["hit"], away

@@ -274,8 +274,8 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
 const vv_renderer vvi_renderer_raycast = {
     .api = VV_RENDERER_API,
     .name = "raycast",
-    .doc = "ray casting with space skipping: light through clouds, projections to one value per ray, surfaces; local "
-           "illumination",
+    .doc = "ray casting with space skipping: light through clouds, projections to one value per ray, surfaces, meshes "
+           "among them; local illumination",
     .params = &vvi_raycast_class,
     .accepts = accepts,
     .prepare = vvi_raycast_prepare,
