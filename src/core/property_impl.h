@@ -15,6 +15,7 @@
 #define VVI_JSON_STRING (1024 * 1024)
 #define VVI_PATH_BYTES 4096 /* of a text that is one, where its row does not say otherwise: no system opens more */
 #define VVI_JSON_BYTES (16 * 1024 * 1024)
+#define VVI_JSON_TREE_BYTES ((uint64_t)6 * VVI_JSON_BYTES) /* of its values, and twice the text's own */
 #define VVI_COLLECTION_MOST 65536
 #define VVI_ID_MOST 63
 

@@ -28,6 +28,9 @@ vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vv
     if (depth > VVI_JSON_DEPTH)
         return vvi_fail_place(place, VV_E_LIMIT, "nested %zu deep: at most %d levels are allowed", depth,
                               VVI_JSON_DEPTH);
+    if (vvi_json_tree_bytes(text, length) > VVI_JSON_TREE_BYTES + 2 * (uint64_t)length)
+        return vvi_fail_place(place, VV_E_LIMIT, "the document holds so many values that they would take %llu MiB",
+                              (unsigned long long)(vvi_json_tree_bytes(text, length) >> 20));
     *out = json_loadb(text, length, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
     return *out ? VV_OK : fail_syntax(&error, place);
 }

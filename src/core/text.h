@@ -42,6 +42,8 @@ void vvi_text_cut(vvi_text *text, size_t n);
 void vvi_text_clean(char *s);
 /** The most brackets of a JSON text that are open at once: to know it before a parser recurses as deep. */
 size_t vvi_json_nesting(const char *text, size_t n);
+/** What its values take in memory when it is parsed, at least as much as it will be, without the texts in it. */
+uint64_t vvi_json_tree_bytes(const char *text, size_t n);
 /** How many letters a place for a number has that a text begins with, "%d" or "%03d", and how wide it is (up to 999; 0:
  * as wide as the number); 0 where there is none. */
 size_t vvi_text_place(const char *text, int *width_out);

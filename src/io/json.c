@@ -7,8 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-/* What a parsed tree takes for a byte of text at worst, by measure of "[[],[],..." */
+/* What a parsed tree takes for a byte of text, where that is not much: what is more is refused before it is parsed. */
 #define TREE_BYTES 48
+/* How many times the most bytes of a header it may take, and twice its own: "{},{},..." would take 75 times its own. */
+#define TREE_HEADERS 6
 
 static void replace_python_words(char *text, size_t n)
 {
@@ -106,6 +108,12 @@ vv_status vvi_json_read_text(json_t **out, char *text, size_t n, const char *nam
     if ((uint64_t)vvi_json_nesting(text, n) > most)
         return vv_fail_at(VV_E_LIMIT, name, NULL, "is nested deeper than %llu levels; --limit nesting=N allows more",
                           (unsigned long long)most);
+    const uint64_t tree = vvi_json_tree_bytes(text, n), room = TREE_HEADERS * vvi_job_limits(job)->header_bytes + 2 * n;
+    if (tree > room)
+        return vv_fail_at(VV_E_LIMIT, name, NULL,
+                          "holds so many values that they would take %llu MiB; at most %llu are taken for it (--limit "
+                          "header_bytes=N allows %d times as much)",
+                          (unsigned long long)(tree >> 20), (unsigned long long)(room >> 20), TREE_HEADERS);
     replace_python_words(text, n);
     *out = json_loadb(text, n, 0, &error);
     /* numbers past 64 bits: the largest unsigned one is a usual fill value */

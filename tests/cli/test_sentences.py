@@ -286,6 +286,22 @@ def test_metadata_of_zarr_is_as_deep_as_the_limit_allows():
     ok("info", "a.zarr", "--limit", "nesting=64")
 
 
+def test_json_of_very_many_values_is_refused_before_it_is_parsed():
+    """2 million empty objects are 6 MB of text and half a gigabyte of tree."""
+    many = "[" + "{}," * 2_000_000 + "{}]"
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "many.zarr")
+    path = next(os.path.join(folder, name) for folder, _, names in os.walk("many.zarr") for name in names if name in ("zarr.json", ".zattrs"))
+    with open(path) as file:
+        meta = file.read()
+    with open(path, "w") as file:
+        file.write('{"many": ' + many + "," + meta[meta.index("{") + 1:])
+    refused(["info", "many.zarr"], "so many values that they would take", "--limit header_bytes=N", code=3)
+    with open("many.vv.json", "w") as file:
+        file.write('{"schema": 1, "many": ' + many + "}")
+    refused(["info", "many.vv.json"], "so many values that they would take", code=3)
+
+
 def test_limits_of_the_import_program_name_themselves():
     if volvis("info", "absent", "--safe").message.find("import program") >= 0:
         raise Skip("this build has no import program")

@@ -5,6 +5,7 @@
 #include "fail_alloc.h"
 #include "fields.h"
 
+#include <malloc.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -230,6 +231,49 @@ static void small_strings_fail_when_told_to(void **state)
     free(empty);
 }
 
+/* What the parser holds, as malloc() has it. */
+static size_t held, most_held;
+
+static void *hold(size_t n)
+{
+    void *memory = malloc(n);
+    held += memory ? malloc_usable_size(memory) : 0;
+    most_held = held > most_held ? held : most_held;
+    return memory;
+}
+
+static void drop(void *memory)
+{
+    held -= memory ? malloc_usable_size(memory) : 0;
+    free(memory);
+}
+
+/* Documents of one thing over and over, which take the most for their length, and a mixed one. */
+static void what_a_json_tree_takes_is_known_before_it_is_parsed(void **state)
+{
+    (void)state;
+    enum { TIMES = 20000 };
+    static const char *const pieces[] = {
+        "{}", "[]", "1", "1.5", "true", "\"\"", "[[],{}]", "{\"a\":{}}", "[1,2,{\"b\":[3]}]"};
+    json_set_alloc_funcs(hold, drop);
+    for (size_t i = 0; i < sizeof pieces / sizeof *pieces; i++) {
+        vvi_text text = {0};
+        vvi_text_add(&text, "[");
+        for (int k = 0; k < TIMES; k++)
+            vvi_text_printf(&text, "%s%s", k ? "," : "", pieces[i]);
+        vvi_text_add(&text, "]");
+        held = most_held = 0;
+        json_t *tree = json_loadb(text.s, text.n, 0, NULL);
+        assert_non_null(tree);
+        const uint64_t said = vvi_json_tree_bytes(text.s, text.n) + 2 * text.n;
+        if (most_held > said || said > 8 * most_held)
+            fail_msg("%s: %zu bytes are held, %llu were said", pieces[i], most_held, (unsigned long long)said);
+        json_decref(tree);
+        vvi_text_free(&text);
+    }
+    json_set_alloc_funcs(malloc, free);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -244,6 +288,7 @@ int main(void)
         cmocka_unit_test(cleaning_takes_what_terminals_obey),
         cmocka_unit_test(a_failed_allocation_makes_the_text_bad_once_and_for_all),
         cmocka_unit_test(small_strings_fail_when_told_to),
+        cmocka_unit_test(what_a_json_tree_takes_is_known_before_it_is_parsed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
