@@ -158,7 +158,7 @@ vv_status vvi_object_open(vvi_object *out, const vv_field *field, const vv_measu
     out->shaped = options->region != NULL;
     vv_status st = choose(out, field, options);
     if (st == VV_OK && out->shaped)
-        st = vvi_shape_init(&out->shape, &info->grid, options->region);
+        st = vvi_region_samples_init(&out->shape, &info->grid, options->region);
     if (st == VV_OK)
         find_thresholds(out, vv_field_get_info(out->samples));
     return st;
@@ -264,7 +264,7 @@ vv_status vvi_object_slice(uint64_t *bits, const vvi_object *o, int64_t k)
         else
             slow_row(bits, o, row, brick.stride[0], brick.type);
         if (o->shaped)
-            vvi_shape_keep_row(bits, o->words, &o->shape, j, k);
+            vvi_region_samples_keep_row(bits, o->words, &o->shape, j, k);
     }
     vv_brick_release(&brick);
     return VV_OK;

@@ -3,7 +3,7 @@
  */
 #ifndef VVI_MEASURE_OBJECT_H
 #define VVI_MEASURE_OBJECT_H
-#include "measure/shape.h"
+#include "measure/region_samples.h"
 #include "surface/marching_kernel.h"
 #include <volvis/measure.h>
 
@@ -26,7 +26,7 @@ typedef struct vvi_object {
     double scale, offset;      /**< value = stored * scale + offset */
     double value_lo, value_hi; /**< the range in values */
     bool shaped;               /**< only what is in `shape` is inside */
-    vvi_shape shape;
+    vvi_region_samples shape;
     vv_job *job;
 } vvi_object;
 

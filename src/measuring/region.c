@@ -1,7 +1,7 @@
 /* Regions of a question: from the property that scenes keep to a shape on the grid, and what is told of it. */
 #include "core/memory.h"
 #include "core/vec.h"
-#include "measure/shape.h"
+#include "measure/region_samples.h"
 #include "measuring/measuring.h"
 #include "model/classes.h"
 #include <inttypes.h>
@@ -186,13 +186,13 @@ void vvi_measuring_name_region(char out[64], const vvi_measuring *m)
 vv_status vvi_measuring_put_region(vvi_measuring *m)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
-    vvi_shape shape;
+    vvi_region_samples shape;
     if (!m->choice.region)
         return VV_OK;
-    const vv_status st = vvi_shape_init(&shape, grid, &m->shape);
+    const vv_status st = vvi_region_samples_init(&shape, grid, &m->shape);
     if (st != VV_OK)
         return st;
-    const uint64_t n = vvi_shape_count(&shape);
+    const uint64_t n = vvi_region_samples_count(&shape);
     const double area = vv_region_shape_area(&m->shape);
     const double counted = (double)n * fabs(vv_affine_determinant(grid->index_to_world));
     const double exact = vv_region_shape_volume(&m->shape);

@@ -1,5 +1,5 @@
 /* Boxes, ellipses, polygons and ellipsoids in frames of their own, sample by sample. */
-#include "measure/shape.h"
+#include "measure/region_samples.h"
 
 #include "core/vec.h"
 #include "measure/sums.h"
@@ -72,7 +72,7 @@ double vv_region_shape_volume(const vv_region_shape *r)
 
 /* On a grid ------------------------------------------------------------------------------------------------------- */
 
-static void find_ends(vvi_shape *s)
+static void find_ends(vvi_region_samples *s)
 {
     for (int a = 0; a < 2; a++) {
         s->lo[a] = -s->of.half[a];
@@ -86,7 +86,7 @@ static void find_ends(vvi_shape *s)
 }
 
 /* The samples between the least and the largest index of its corners. */
-static void find_box(vvi_shape *s, const vv_grid *grid, const vv_affine *to_index)
+static void find_box(vvi_region_samples *s, const vv_grid *grid, const vv_affine *to_index)
 {
     vv_bounds all = vvi_bounds_none();
     for (int k = 0; k < 8; k++)
@@ -121,11 +121,11 @@ static vv_status check(const vv_region_shape *r)
                                          "above 0");
 }
 
-vv_status vvi_shape_init(vvi_shape *out, const vv_grid *grid, const vv_region_shape *region)
+vv_status vvi_region_samples_init(vvi_region_samples *out, const vv_grid *grid, const vv_region_shape *region)
 {
     vv_affine to_local, to_index;
     const vv_status st = check(region);
-    *out = (vvi_shape){.of = *region};
+    *out = (vvi_region_samples){.of = *region};
     if (st != VV_OK)
         return st;
     if (!vv_affine_invert(&to_local, region->frame) || !vv_affine_invert(&to_index, grid->index_to_world))
@@ -156,7 +156,7 @@ static bool between(double x, double half)
     return x >= -half && x < half;
 }
 
-static bool is_in(const vvi_shape *s, vv_vec3 p)
+static bool is_in(const vvi_region_samples *s, vv_vec3 p)
 {
     const double *h = s->of.half, n = s->nudge;
     const double round = p.x * p.x / (h[0] * h[0]) + p.y * p.y / (h[1] * h[1]);
@@ -175,18 +175,18 @@ static bool is_in(const vvi_shape *s, vv_vec3 p)
     return true;
 }
 
-static bool has_row(const vvi_shape *s, int64_t j, int64_t k)
+static bool has_row(const vvi_region_samples *s, int64_t j, int64_t k)
 {
     return j >= s->box.lo[1] && j < s->box.lo[1] + s->box.n[1] && k >= s->box.lo[2] && k < s->box.lo[2] + s->box.n[2];
 }
 
-static bool has(const vvi_shape *s, int64_t i, int64_t j, int64_t k)
+static bool has(const vvi_region_samples *s, int64_t i, int64_t j, int64_t k)
 {
     return i >= s->box.lo[0] && i < s->box.lo[0] + s->box.n[0] &&
            is_in(s, vv_affine_point(s->local, vvi_vec((double)i, (double)j, (double)k)));
 }
 
-void vvi_shape_keep_row(uint64_t *bits, size_t words, const vvi_shape *s, int64_t j, int64_t k)
+void vvi_region_samples_keep_row(uint64_t *bits, size_t words, const vvi_region_samples *s, int64_t j, int64_t k)
 {
     if (!has_row(s, j, k)) {
         memset(bits, 0, words * sizeof *bits);
@@ -198,7 +198,7 @@ void vvi_shape_keep_row(uint64_t *bits, size_t words, const vvi_shape *s, int64_
                 bits[w] &= ~(left & -left);
 }
 
-uint64_t vvi_shape_count(const vvi_shape *s)
+uint64_t vvi_region_samples_count(const vvi_region_samples *s)
 {
     uint64_t n = 0;
     for (int64_t k = s->box.lo[2]; k < s->box.lo[2] + s->box.n[2]; k++)
