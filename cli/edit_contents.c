@@ -26,7 +26,7 @@ static const struct {
     const char *why;
 } uses[] = {
     {"slice", CONTENT_SAMPLES, "slices do not show meshes"},
-    {"method", CONTENT_SAMPLES, "slices do not show meshes"}, /* of method slice */
+    {"method", CONTENT_SAMPLES, "slices do not show meshes"}, /* of one that shows planes */
     {"iso", CONTENT_SAMPLES,
      "a mesh has no iso-value, it is a surface already; 'volvis isosurface' makes another one of the volume"},
     {"threshold", CONTENT_SAMPLES, "a mesh has no samples, it is a surface already"},
@@ -62,7 +62,8 @@ static bool is_given(const cli_edits *edits, const char *option)
     if (strcmp(option, "missing") == 0)
         return ((const cli_reading *)cli_command_options(edits->command, &cli_reading_class))->missing != NULL;
     const char *text = cli_look_text(edits->look, option);
-    return text && (strcmp(option, "method") != 0 || strcmp(text, "slice") == 0);
+    const vv_renderer *planes = vv_registry_plane_renderer(edits->command->registry);
+    return text && (strcmp(option, "method") != 0 || (planes && strcmp(text, planes->name) == 0));
 }
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */

@@ -13,7 +13,9 @@ void cli_edit_method_of(char out[64], cli_edits *edits)
 {
     vv_world *world = vv_model_snapshot(edits->model);
     const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
-    snprintf(out, 64, "%s", view ? vvi_method_of(world, view, edits->command->job) : "raycast");
+    snprintf(out, 64, "%s",
+             view ? vvi_method_of(world, view, edits->command->job)
+                  : vv_registry_renderer_for(edits->command->registry, 0)->name);
     vv_object_release(&world->base);
 }
 
@@ -73,19 +75,23 @@ static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
 static vv_status choose_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
+    const vv_renderer *planes = vv_registry_plane_renderer(edits->command->registry);
     char method[64];
     double iso;
     vv_status st;
     if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
         return vv_fail_in(vv_error_last()->status, "--method");
-    if (o->slice && o->method && strcmp(o->method, "slice") != 0)
-        return cli_refused(
-            edits->command, "slice,method",
-            vv_fail(VV_E_ARGUMENT, "--slice is of method slice, and --method says '%s': give one of them", o->method));
+    if (o->slice && !planes)
+        return cli_refused(edits->command, "slice", vv_fail(VV_E_UNSUPPORTED, "--slice: no method shows planes"));
+    if (o->slice && o->method && strcmp(o->method, planes->name) != 0)
+        return cli_refused(edits->command, "slice,method",
+                           vv_fail(VV_E_ARGUMENT, "--slice is of method %s, and --method says '%s': give one of them",
+                                   planes->name, o->method));
     if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
         return st;
     st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", edits->view);
-    return st == VV_OK && o->slice ? cli_edit_set(edits, "slice", "slice", "views.%s.render.method", edits->view) : st;
+    return st == VV_OK && o->slice ? cli_edit_set(edits, "slice", planes->name, "views.%s.render.method", edits->view)
+                                   : st;
 }
 
 vv_status cli_edit_method(cli_edits *edits)

@@ -212,7 +212,7 @@ static const one ones[] = {
     {"budget", "views.%1$s.render.budget", FORM_LIMIT, .example = "10s"},
     {"iso", "views.%1$s.render.%2$s.iso"},
     {"step", "views.%1$s.render.%2$s.step"},
-    {"slice", "views.%1$s.render.slice.orientation"},
+    {"slice", "views.%1$s.render.%2$s.orientation"}, /* --slice has chosen the method */
     {"title", "views.%1$s.decorations.title", FORM_TEXT},
     {"caption", "views.%1$s.decorations.caption", FORM_TEXT},
     {"cross_hair", "cross_hair", FORM_POINT},

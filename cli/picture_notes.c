@@ -190,7 +190,8 @@ void cli_tell_choices(cli_command *command, const vv_world *fixed, const char *v
     static const char *const of_transfer[] = {"preset",   "colormap", "range_lo",
                                               "range_hi", "opacity",  "opacity_length"};
     static const char *const of_slices[] = {"window_lo", "window_hi", "colormap"};
-    const bool slices = strcmp(method, "slice") == 0;
+    const vv_renderer *row = vv_registry_renderer(command->registry, method);
+    const bool slices = row && row->plane;
     char path[128];
     tell_method(command, fixed, view, method);
     snprintf(path, sizeof path, "views.%s.camera", view);

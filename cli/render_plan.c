@@ -12,17 +12,13 @@
 #include <volvis/render.h>
 
 /* Beside the image: the colours of a pass and, to tell the noise, the mean of half of them; or the coarse picture,
- * which is like the image. Once these are gone, what decorations need, and then the file. Least and largest values by
- * cells: a twentieth of the samples, and never nothing. The threads' own. */
+ * which is like the image. Once these are gone, what decorations need, and then the file. The threads' own. */
 enum { PASS_BYTES = 16, NOISE_BYTES = 16, AFTER_BYTES = 8 };
-enum { CELLS_BYTES = 2 << 20, THREADS_BYTES = 4 << 20 };
+enum { THREADS_BYTES = 4 << 20 };
 
-static vv_status picture_bytes(uint64_t *out, const vv_world *world, const vv_view *view, vv_job *job)
+static uint64_t picture_bytes(const vv_renderer *renderer, const vv_view *view)
 {
-    vv_scene scene = {.view = (vv_view *)view};
-    scene.renderer = vv_registry_renderer(vvi_job_registry(job), vvi_method_of(world, view, job));
-    if (!scene.renderer)
-        return vv_error_last()->status;
+    vv_scene scene = {.view = (vv_view *)view, .renderer = renderer};
     vvi_resolve_sampling(&scene);
     const uint64_t image = vvi_image_pixel_bytes(scene.layers);
     uint64_t beside = 0;
@@ -31,8 +27,22 @@ static vv_status picture_bytes(uint64_t *out, const vv_world *world, const vv_vi
     else if (scene.adaptive)
         beside = image;
     beside = beside > AFTER_BYTES ? beside : AFTER_BYTES;
-    *out = (uint64_t)view->width * (uint64_t)view->height * (image + beside) + THREADS_BYTES;
-    return VV_OK;
+    return (uint64_t)view->width * (uint64_t)view->height * (image + beside) + THREADS_BYTES;
+}
+
+/* What the method makes of each volume that shows a dataset. */
+static uint64_t made_bytes(const vv_renderer *renderer, const vv_world *world, const vv_view *view, const char *data,
+                           const vv_field_info *info)
+{
+    const vv_collection *methods = ((const vv_render_choice *)(const void *)view->render)->methods;
+    const vv_object *params = vv_collection_find(methods, renderer->name);
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < world->volumes->n && renderer->memory; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const bool shows = volume->data ? strcmp(volume->data, data) == 0 : world->datasets->n == 1;
+        bytes += volume->visible && shows ? renderer->memory(params, volume, info) : 0;
+    }
+    return bytes;
 }
 
 /* Meshes are read to know how large they are. */
@@ -77,12 +87,13 @@ static vv_status tell_time(cli_command *command, vv_world *world, const char *vi
 vv_status cli_render_plan(cli_command *command, vv_world *world, const char *view_id, const char *output)
 {
     const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, view_id);
-    uint64_t picture = 0, bytes;
+    const vv_renderer *renderer = vv_registry_renderer(command->registry, vvi_method_of(world, view, command->job));
+    vv_status st = VV_OK;
     char needed[32];
-    vv_status st = picture_bytes(&picture, world, view, command->job);
-    if (st != VV_OK)
-        return st;
-    bytes = picture;
+    if (!renderer)
+        return vv_error_last()->status;
+    const uint64_t picture = picture_bytes(renderer, view);
+    uint64_t bytes = picture;
     for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
         vv_field_info info;
@@ -107,7 +118,7 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
                              dataset->operation);
         else
             cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
-        bytes += samples + samples / 20 + CELLS_BYTES;
+        bytes += samples + made_bytes(renderer, world, view, world->datasets->entry[i].id, &info);
     }
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", output, view->width, view->height);

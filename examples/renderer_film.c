@@ -113,8 +113,10 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
 const vv_renderer renderer_film = {
     .api = VV_RENDERER_API,
     .name = "film",
+    .label = "X-ray film",
     .doc = "an X-ray film, an example",
     .params = &film_class,
+    .takes = VV_CONTENT_SAMPLES,
     .accepts = accepts,
     .prepare = prepare,
     .render = render,

@@ -55,3 +55,23 @@ const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char 
                   name);
     return NULL;
 }
+
+const vv_renderer *vv_registry_renderer_for(const vv_registry *registry, unsigned contents)
+{
+    const vv_renderer *const *rows = or_builtin(registry)->renderers, *first = NULL;
+    for (const vv_renderer *const *row = rows; *row; row++) {
+        if (contents && (*row)->best_for == contents && ((*row)->takes & contents) == contents)
+            return *row;
+        if (!first && ((*row)->takes & contents) == contents)
+            first = *row;
+    }
+    return first ? first : rows[0];
+}
+
+const vv_renderer *vv_registry_plane_renderer(const vv_registry *registry)
+{
+    const vv_renderer *const *row = or_builtin(registry)->renderers;
+    while (*row && !(*row)->plane)
+        row++;
+    return *row;
+}

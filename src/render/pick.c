@@ -113,7 +113,7 @@ static vv_status draw_whole(picking *p)
 {
     vv_render_counts counts = {0};
     int64_t samples;
-    const unsigned layers = VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0) |
+    const unsigned layers = VV_LAYER_DEPTH | (p->scene->renderer->can & VV_CAN_NORMALS ? VV_LAYER_NORMAL : 0) |
                             (p->scene->n_mesh_actors ? VV_LAYER_ID : 0);
     const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, layers, p->job);
     return st == VV_OK ? p->scene->renderer->draw(p->state, p->whole, 1, &samples, &counts, p->job) : st;

@@ -180,14 +180,26 @@ void vv_picture_report(vv_render_report *out, const vv_picture *picture)
 
 /* New and gone ---------------------------------------------------------------------------------------------------- */
 
+/* One that takes what this one does not, with the rest where there is one. */
+static const char *other_method(const vv_scene *scene, unsigned contents)
+{
+    const vv_registry *registry = ((const vvi_resolved *)(const void *)scene)->registry;
+    const unsigned all = (scene->n_actors ? VV_CONTENT_SAMPLES : 0u) | (scene->n_mesh_actors ? VV_CONTENT_MESHES : 0u);
+    const vv_renderer *row = vv_registry_renderer_for(registry, all);
+    return (row->takes & contents ? row : vv_registry_renderer_for(registry, contents))->name;
+}
+
 vv_status vvi_accepts(const vv_scene *scene)
 {
     const vv_renderer *renderer = scene->renderer;
     if (!renderer->render && !renderer->draw)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
-    if (scene->n_mesh_actors && !renderer->mesh_actors)
-        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; use method=surface",
-                       scene->mesh_actors[0].look.id, renderer->name);
+    if (scene->n_mesh_actors && !(renderer->takes & VV_CONTENT_MESHES) && !(renderer->can & VV_CAN_LEAVE_OUT))
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; use method=%s",
+                       scene->mesh_actors[0].look.id, renderer->name, other_method(scene, VV_CONTENT_MESHES));
+    if (scene->n_actors && !(renderer->takes & VV_CONTENT_SAMPLES) && !(renderer->can & VV_CAN_LEAVE_OUT))
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is no mesh, and method '%s' draws nothing else; use method=%s",
+                       scene->actors[0].id, renderer->name, other_method(scene, VV_CONTENT_SAMPLES));
     return renderer->accepts ? renderer->accepts(scene) : VV_OK;
 }
 

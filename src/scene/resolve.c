@@ -44,17 +44,15 @@ static bool shows_mesh(const vv_world *world, const vv_volume *volume, vv_job *j
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
 {
     const vv_render_choice *choice = (const vv_render_choice *)view->render;
-    const vv_renderer *rays = vv_registry_renderer(vvi_job_registry(job), "raycast");
-    bool meshes = false, samples = false;
+    unsigned contents = 0;
     if (choice->method)
         return choice->method;
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)world->volumes->entry[i].object;
-        const bool mesh = volume->visible && shows_mesh(world, volume, job);
-        meshes |= mesh;
-        samples |= volume->visible && !mesh;
+        if (volume->visible)
+            contents |= shows_mesh(world, volume, job) ? VV_CONTENT_MESHES : VV_CONTENT_SAMPLES;
     }
-    return meshes && !(samples && rays && rays->mesh_actors) ? "surface" : "raycast";
+    return vv_registry_renderer_for(vvi_job_registry(job), contents)->name;
 }
 
 static vv_status find_renderer(vvi_resolved *r, vv_job *job)

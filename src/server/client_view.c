@@ -17,17 +17,24 @@ static bool is_taken(const vvi_session *s, const char *view)
     return false;
 }
 
-/* The plane of a view of slices; NULL: it shows something else. */
-static const char *plane_of(const vv_entry *entry)
+static const vv_registry *registry_of(const vvi_client *client)
 {
-    const vv_object *view = entry->object;
-    char *method = NULL, *plane = NULL;
-    const char *found = NULL;
-    if (vv_path_get(&method, view, "render.method") == VV_OK && method && strcmp(method, "\"slice\"") == 0 &&
-        vv_path_get(&plane, view, "render.slice.orientation") == VV_OK)
+    return vv_runtime_registry(client->session->options.runtime);
+}
+
+/* The plane of a view of slices; NULL: it shows something else. */
+static const char *plane_of(const vv_entry *entry, const vv_registry *registry)
+{
+    const vv_view *view = (const vv_view *)(const void *)entry->object;
+    const char *method = ((const vv_render_choice *)(const void *)view->render)->method, *found = NULL;
+    const vv_renderer *row = vv_registry_plane_renderer(registry);
+    char *plane = NULL, path[96];
+    if (!row || !method || strcmp(method, row->name) != 0)
+        return NULL;
+    snprintf(path, sizeof path, "render.%s.orientation", method);
+    if (vv_path_get(&plane, entry->object, path) == VV_OK)
         for (size_t i = 0; i < sizeof planes / sizeof *planes; i++)
             found = strncmp(plane + 1, planes[i], strlen(planes[i])) == 0 ? planes[i] : found;
-    free(method);
     free(plane);
     return found;
 }
@@ -36,11 +43,12 @@ static const char *plane_of(const vv_entry *entry)
  * nothing else. */
 static void find_view(vvi_client *client, const vv_collection *views, const char *plane)
 {
+    const vv_registry *registry = registry_of(client);
     bool others = false;
     for (size_t i = 0; i < views->n; i++)
-        others |= !plane_of(&views->entry[i]);
+        others |= !plane_of(&views->entry[i], registry);
     for (size_t i = 0; i < views->n && !*client->view; i++) {
-        const char *id = views->entry[i].id, *shown = plane_of(&views->entry[i]);
+        const char *id = views->entry[i].id, *shown = plane_of(&views->entry[i], registry);
         const bool wanted = plane ? shown && strcmp(shown, plane) == 0 : !shown || !others;
         if (wanted && !is_taken(client->session, id) && strlen(id) < VVI_VIEW_NAME)
             memcpy(client->view, id, strlen(id) + 1);
@@ -48,11 +56,12 @@ static void find_view(vvi_client *client, const vv_collection *views, const char
 }
 
 /* NULL: there is no memory. */
-static json_t *new_view(const char *plane)
+static json_t *new_view(const char *plane, const vv_registry *registry)
 {
-    return plane ? json_pack("{s:{s:s, s:{s:s}}, s:{s:b, s:b}}", "render", "method", "slice", "slice", "orientation",
-                             plane, "decorations", "sides", 1, "scale_bar", 1)
-                 : json_object();
+    const vv_renderer *row = vv_registry_plane_renderer(registry);
+    return plane && row ? json_pack("{s:{s:s, s:{s:s}}, s:{s:b, s:b}}", "render", "method", row->name, row->name,
+                                    "orientation", plane, "decorations", "sides", 1, "scale_bar", 1)
+                        : json_object();
 }
 
 static vv_status add_view(vvi_client *client, const vv_collection *views, const char *plane)
@@ -62,8 +71,8 @@ static vv_status add_view(vvi_client *client, const vv_collection *views, const 
     snprintf(name, sizeof name, "%s", plane ? plane : "main");
     while (vv_collection_find(views, name))
         snprintf(name, sizeof name, "%s-%d", plane ? plane : "view", ++number);
-    json_t *edits =
-        json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "views", "id", name, "value", new_view(plane));
+    json_t *edits = json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "views", "id", name, "value",
+                              new_view(plane, registry_of(client)));
     const vv_status st = edits ? vvi_session_edit(client->session, VVI_CAMERA, edits, false) : vv_fail_memory(256);
     json_decref(edits);
     memcpy(client->view, name, sizeof name);
@@ -89,11 +98,11 @@ vv_status vvi_client_choose_view(vvi_client *client, const char *plane)
 }
 
 /* The properties of a World's first view that is no plane, as JSON; NULL: it has none, or there is no memory. */
-static char *first_view(const vv_world *world)
+static char *first_view(const vv_world *world, const vv_registry *registry)
 {
     char *json = NULL;
     for (size_t i = 0; i < world->views->n && !json; i++) {
-        if (plane_of(&world->views->entry[i]))
+        if (plane_of(&world->views->entry[i], registry))
             continue;
         char *path = vvi_asprintf("views.%s", world->views->entry[i].id);
         if (!path || vv_path_get(&json, &world->base, path) != VV_OK)
@@ -106,7 +115,7 @@ static char *first_view(const vv_world *world)
 static vv_status add_view_of(vv_object **root, const vvi_client *client, const char *like,
                              const vv_property_context *context)
 {
-    json_t *value = new_view(client->plane);
+    json_t *value = new_view(client->plane, registry_of(client));
     char *json = value ? json_dumps(value, JSON_COMPACT) : NULL;
     const vv_status st = json ? vv_path_add(root, "views", client->view, like && !client->plane ? like : json, context)
                               : vv_fail_memory(64);
@@ -117,8 +126,9 @@ static vv_status add_view_of(vv_object **root, const vvi_client *client, const c
 
 vv_status vvi_session_add_views(vv_world **world, const vvi_session *session)
 {
-    const vv_property_context context = vvi_registry_context(vv_runtime_registry(session->options.runtime));
-    char *like = first_view(*world);
+    const vv_registry *registry = vv_runtime_registry(session->options.runtime);
+    const vv_property_context context = vvi_registry_context(registry);
+    char *like = first_view(*world, registry);
     vv_object *root = &(*world)->base;
     vv_status st = VV_OK;
     for (const vvi_client *c = session->clients; c && st == VV_OK; c = c->next)

@@ -152,9 +152,11 @@ static void tell_renderers(vvi_result *out, const vv_registry *registry)
     for (const vv_renderer *const *row = registry->renderers; *row; row++) {
         vvi_result_open(out, NULL, '{');
         vvi_result_string(out, "name", (*row)->name);
+        vvi_result_string(out, "label", (*row)->label ? (*row)->label : (*row)->name);
         vvi_result_string(out, "doc", (*row)->doc);
         snprintf(name, sizeof name, "renderer.%s", (*row)->name);
         vvi_result_string(out, "class", name);
+        vvi_result_bool(out, "plane", (*row)->plane != NULL);
         vvi_result_close(out, '}');
     }
     vvi_result_close(out, ']');

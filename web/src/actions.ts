@@ -172,7 +172,7 @@ function presets(): Action[] {
 function renderers(): Action[] {
   return (store.welcome.value?.renderers ?? []).map((renderer) => ({
     name: `renderer-${renderer.name}`,
-    title: label(renderer.name),
+    title: renderer.label,
     doc: renderer.doc,
     group: "Rendering method",
     icon: "render" as const,

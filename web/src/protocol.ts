@@ -79,8 +79,12 @@ export interface Measure {
 
 export interface Renderer {
   name: string;
+  /** In menus. */
+  label: string;
   doc: string;
   class: string;
+  /** It shows planes through the cross-hair. */
+  plane: boolean;
 }
 
 export interface Preset {

@@ -19,7 +19,7 @@ VV_BEGIN_DECLS
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
 #define VV_OPERATION_API 6
-#define VV_RENDERER_API 4
+#define VV_RENDERER_API 5
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
@@ -224,9 +224,10 @@ typedef struct vv_data_kind {
 
 /* Renderers ----------------------------------------------------------------------------------------------------- */
 
-struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
-struct vvi_gfx;  /* a drawing on its way; of the library alone */
-struct vv_actor; /* one visible volume of it */
+struct vv_scene;  /* a resolved snapshot of one View: <volvis/sys/scene.h> */
+struct vvi_gfx;   /* a drawing on its way; of the library alone */
+struct vv_actor;  /* one visible volume of it */
+struct vv_volume; /* as the World has it: <volvis/model.h> */
 
 /** Pixels [x0, x1) x [y0, y1). */
 typedef struct vv_tile {
@@ -273,11 +274,31 @@ typedef enum vv_aspect {
     VV_ASPECT_COLOR    /**< the one colour of a volume: of solids and surfaces */
 } vv_aspect;
 
+/** What a view may show; bits. */
+typedef enum vv_content {
+    VV_CONTENT_SAMPLES = 1, /**< volumes: scene.actors */
+    VV_CONTENT_MESHES = 2   /**< scene.mesh_actors */
+} vv_content;
+
+/** What of a picture not every method makes; bits. */
+typedef enum vv_renderer_can {
+    /** Normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
+    VV_CAN_NORMALS = 1,
+    /** Contents that it does not take are left out, which it says itself; without this, they are refused. */
+    VV_CAN_LEAVE_OUT = 2
+} vv_renderer_can;
+
 /** A rendering method. One frame = a resolved scene + this row. */
 typedef struct vv_renderer {
-    int api; /**< VV_RENDERER_API */
-    const char *name, *doc;
+    int api;                /**< VV_RENDERER_API */
+    const char *name, *doc; /**< name: of files, options and paths */
+    const char *label;      /**< in menus */
     const vv_class *params; /**< found under views.<view>.render.<name> */
+    unsigned takes;    /**< of vv_content. In the layers normal and id, pixels of meshes are draw()'s; the id of mesh
+                            i is n_actors + 1 + i */
+    unsigned best_for; /**< of vv_content: the method of views that show just this and name none. Where no method is
+                            best, it is the first that takes it */
+    unsigned can;      /**< of vv_renderer_can */
     /** VV_OK, or VV_E_UNSUPPORTED and why not. */
     vv_status (*accepts)(const struct vv_scene *scene);
     /** Whatever does not depend on the pixel; derived data goes through the cache. *state_out goes to render(). */
@@ -301,11 +322,6 @@ typedef struct vv_renderer {
     /** The same for a figure: triangles go to `gfx`, of which nothing is public yet, what is no triangle onto the image
      * under them, which is clear. NULL: the figure has the picture in it. */
     vv_status (*figure)(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
-    /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
-    bool normals;
-    /** Whether draw() shows the scene's meshes: scenes with some are refused for all others. Their pixels in the layers
-     * normal and id are draw()'s; the id of shape i is n_actors + 1 + i. */
-    bool mesh_actors;
     /** Of methods that show one plane, through the scene's cross-hair: the directions that are right and up in the
      * picture, length 1 and at right angles, which take the place of the camera's; where it looks at, and how much it
      * shows, stay its own. False: the camera's own plane. Such pictures are exact at once: they have no coarse ones
@@ -314,6 +330,9 @@ typedef struct vv_renderer {
     /** Whether pictures of volumes with these parameters depend on an aspect: options of others are refused. NULL: on
      * everything but windows and the cross-hair. */
     bool (*heeds)(const vv_object *params, vv_aspect aspect);
+    /** About how many bytes prepare() makes of one volume at most, told before its samples are read. NULL: nothing
+     * worth telling. */
+    uint64_t (*memory)(const vv_object *params, const struct vv_volume *volume, const vv_field_info *info);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */
@@ -341,6 +360,11 @@ VV_API vv_status vv_carry_values(vv_carry *carry, const vv_object *params);
 /** The operand that input `index` is of, in the order of operands; NULL: there are no more. */
 VV_API const vv_operand *vv_operation_operand(const vv_operation *operation, size_t index);
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
+/** The method of views that name none: the one that is best for these contents (bits of vv_content), or else the first
+ * that takes them, or else the first. */
+VV_API const vv_renderer *vv_registry_renderer_for(const vv_registry *registry, unsigned contents);
+/** The first that shows planes (vv_renderer.plane); NULL: none. */
+VV_API const vv_renderer *vv_registry_plane_renderer(const vv_registry *registry);
 
 VV_END_DECLS
 #endif

@@ -271,12 +271,26 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     return VV_OK;
 }
 
+/* Least and largest values by cells: a twentieth of the samples, and never nothing; coefficients of cubic splines. */
+static uint64_t memory(const vv_object *params, const vv_volume *volume, const vv_field_info *info)
+{
+    const uint64_t n = (uint64_t)info->grid.dims[0] * (uint64_t)info->grid.dims[1] * (uint64_t)info->grid.dims[2];
+    uint64_t bytes = 0;
+    (void)params;
+    if (vv_field_info_bytes(&bytes, info) != VV_OK)
+        return 0;
+    return bytes / 20 + (2 << 20) + (volume->interpolation == VV_INTERPOLATE_CUBIC ? n * sizeof(float) : 0);
+}
+
 const vv_renderer vvi_renderer_raycast = {
     .api = VV_RENDERER_API,
     .name = "raycast",
+    .label = "Ray casting",
     .doc = "ray casting with space skipping: light through clouds, projections to one value per ray, surfaces, meshes "
            "among them; local illumination",
     .params = &vvi_raycast_class,
+    .takes = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
+    .best_for = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
     .accepts = accepts,
     .prepare = vvi_raycast_prepare,
     .render = render,
@@ -284,5 +298,5 @@ const vv_renderer vvi_renderer_raycast = {
     .projects = projects,
     .solid = solid,
     .heeds = heeds,
-    .mesh_actors = VV_HAVE_EMBREE,
+    .memory = memory,
 };

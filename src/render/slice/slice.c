@@ -288,15 +288,17 @@ static bool heeds(const vv_object *params, vv_aspect aspect)
 const vv_renderer vvi_renderer_slice = {
     .api = VV_RENDERER_API,
     .name = "slice",
+    .label = "Slice",
     .doc = "a plane through the cross-hair: its values over a window, its labels and colours, as slice viewers show "
            "them; axial, coronal, sagittal or at any angle",
     .params = &slice_class,
+    .takes = VV_CONTENT_SAMPLES,
     .accepts = accepts,
     .prepare = prepare,
     .render = render,
     .finish = finish,
     .solid = solid,
-    .mesh_actors = true,
+    .can = VV_CAN_LEAVE_OUT,
     .plane = plane,
     .heeds = heeds,
 };

@@ -108,12 +108,23 @@ static vv_status prepare_reduced(void **state_out, const vv_scene *scene, vv_job
     return vvi_surface_prepare(state_out, scene, "surface reduced", make_reduced, job);
 }
 
+static uint64_t memory_reduced(const vv_object *params, const vv_volume *volume, const vv_field_info *info)
+{
+    const size_t triangles = (size_t)((const vvi_surface_params *)(const void *)params)->triangles;
+    (void)volume;
+    (void)info;
+    return vvi_surface_bytes(&(vv_mesh_info){.n_triangles = triangles, .n_vertices = triangles / 2});
+}
+
 const vv_renderer vvi_renderer_reduced = {
     .api = VV_RENDERER_API,
     .name = "reduced",
+    .label = "Reduced surface",
     .doc = "a coarser surface for navigation: Marching Cubes with four possible vertex positions on an edge, at a "
            "resolution that keeps to a number of triangles; closed where it is cut",
     .params = &vvi_reduced_class,
+    .takes = VV_CONTENT_SAMPLES,
+    .memory = memory_reduced,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_reduced,
     .finish = vvi_surface_finish,
@@ -167,9 +178,11 @@ static vv_status prepare_boxes(void **state_out, const vv_scene *scene, vv_job *
 const vv_renderer vvi_renderer_boxes = {
     .api = VV_RENDERER_API,
     .name = "boxes",
+    .label = "Boxes",
     .doc = "the boxes that enclose a surface, for navigation: the outer faces of PARC's blocks of cells; closed where "
            "they are cut",
     .params = &vvi_boxes_class,
+    .takes = VV_CONTENT_SAMPLES,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_boxes,
     .finish = vvi_surface_finish,
@@ -177,5 +190,5 @@ const vv_renderer vvi_renderer_boxes = {
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
     .heeds = vvi_surface_heeds,
-    .normals = true,
+    .can = VV_CAN_NORMALS,
 };

@@ -432,17 +432,30 @@ bool vvi_surface_heeds(const vv_object *params, vv_aspect aspect)
            aspect == VV_ASPECT_DIRECTION || aspect == VV_ASPECT_COLOR;
 }
 
+/* A surface crosses some times as many cells as a face of the volume has: two dozen in a head. */
+static uint64_t memory(const vv_object *params, const vv_volume *volume, const vv_field_info *info)
+{
+    const double n = (double)info->grid.dims[0] * (double)info->grid.dims[1] * (double)info->grid.dims[2];
+    const size_t triangles = (size_t)(24 * cbrt(n) * cbrt(n));
+    (void)params;
+    (void)volume;
+    return vvi_surface_bytes(&(vv_mesh_info){.n_triangles = triangles, .n_vertices = triangles / 2});
+}
+
 const vv_renderer vvi_renderer_surface = {
     .api = VV_RENDERER_API,
     .name = "surface",
+    .label = "Surface",
     .doc = "Marching Cubes triangles at full resolution, computed once and drawn from any side: the surface of a "
            "value, closed where it is cut, or smooth surfaces of labels; and meshes from files",
     .params = &vvi_surface_class,
+    .takes = VV_CONTENT_SAMPLES | VV_CONTENT_MESHES,
+    .best_for = VV_CONTENT_MESHES,
+    .memory = memory,
     .prepare = prepare,
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
     .heeds = vvi_surface_heeds,
-    .mesh_actors = true,
 };

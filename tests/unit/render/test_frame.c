@@ -48,8 +48,12 @@ typedef struct nothing {
 } nothing;
 static const vv_property no_rows[] = {{0}};
 static const vv_class formula_class = {"formula", "no parameters", sizeof(nothing), no_rows, NULL, NULL, NULL};
-static const vv_renderer formula = {
-    .api = VV_RENDERER_API, .name = "formula", .doc = "a test's renderer", .params = &formula_class, .render = render};
+static const vv_renderer formula = {.api = VV_RENDERER_API,
+                                    .name = "formula",
+                                    .doc = "a test's renderer",
+                                    .params = &formula_class,
+                                    .takes = VV_CONTENT_SAMPLES,
+                                    .render = render};
 static const vv_renderer *const renderers[] = {&formula, NULL};
 
 typedef struct setup {

@@ -27,8 +27,11 @@ static const vv_property no_params_rows[] = {
 };
 static const vv_class no_params_class = {
     "no_params", "of a renderer for tests", sizeof(no_params), no_params_rows, NULL, NULL, NULL};
-static const vv_renderer no_renderer = {
-    .api = VV_RENDERER_API, .name = "raycast", .doc = "draws nothing", .params = &no_params_class};
+static const vv_renderer no_renderer = {.api = VV_RENDERER_API,
+                                        .name = "raycast",
+                                        .doc = "draws nothing",
+                                        .params = &no_params_class,
+                                        .takes = VV_CONTENT_SAMPLES};
 static const vv_renderer *const renderers[] = {&no_renderer, NULL};
 
 typedef struct setup {
@@ -628,6 +631,23 @@ static void random_properties_give_a_finite_scene_or_an_error(void **state)
     assert_true(good > 100);
 }
 
+/* The best one, else the first that takes all, else the first. */
+static void a_method_is_chosen_by_what_is_seen(void **state)
+{
+    static const vv_renderer a = {.name = "a", .takes = VV_CONTENT_SAMPLES};
+    static const vv_renderer b = {.name = "b", .takes = VV_CONTENT_SAMPLES | VV_CONTENT_MESHES};
+    static const vv_renderer c = {.name = "c", .takes = VV_CONTENT_MESHES, .best_for = VV_CONTENT_MESHES};
+    static const vv_renderer *const all[] = {&a, &b, &c, NULL}, *const few[] = {&a, &c, NULL};
+    const vv_registry two = {.renderers = few}, three = {.renderers = all};
+    (void)state;
+    assert_ptr_equal(vv_registry_renderer_for(&three, 0), &a);
+    assert_ptr_equal(vv_registry_renderer_for(&three, VV_CONTENT_SAMPLES), &a);
+    assert_ptr_equal(vv_registry_renderer_for(&three, VV_CONTENT_MESHES), &c);
+    assert_ptr_equal(vv_registry_renderer_for(&three, VV_CONTENT_SAMPLES | VV_CONTENT_MESHES), &b);
+    assert_ptr_equal(vv_registry_renderer_for(&two, VV_CONTENT_SAMPLES | VV_CONTENT_MESHES), &a);
+    assert_null(vv_registry_plane_renderer(&two));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -653,6 +673,7 @@ int main(void)
         cmocka_unit_test(fitted_functions_show_the_object_of_real_data),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(random_properties_give_a_finite_scene_or_an_error),
+        cmocka_unit_test(a_method_is_chosen_by_what_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

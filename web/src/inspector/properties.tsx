@@ -71,8 +71,9 @@ function List({ path, row }: { path: string; row: Property }) {
 /** The parameters of the method that is in use; the other methods keep theirs. */
 function MethodParameters({ path }: { path: string }) {
   const named = store.valueOf(`${path}.method`);
-  const method = typeof named === "string" ? named : store.status.value?.method || "raycast";
-  const renderer = store.welcome.value?.renderers.find((row) => row.name === method);
+  const method = typeof named === "string" ? named : store.status.value?.method;
+  const rows = store.welcome.value?.renderers;
+  const renderer = rows?.find((row) => row.name === method) ?? rows?.[0];
   if (!renderer || !store.classes.value[renderer.class]?.properties.length) return null;
   const row: Property = { name: renderer.name, kind: "object", doc: renderer.doc, class: renderer.class };
   return <Group path={join(path, renderer.name)} row={row} open />;

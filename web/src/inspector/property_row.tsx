@@ -170,7 +170,8 @@ function Choice(c: RowContext & { names: string[]; text?: (name: string) => stri
 function StringControl(c: RowContext) {
   const { row } = c;
   if (row.name === "colormap" || row.name === "preset") return <ColormapField context={c} />;
-  if (row.table === "renderers") return <Choice {...c} names={(store.welcome.value?.renderers ?? []).map((r) => r.name)} />;
+  const renderers = store.welcome.value?.renderers ?? [];
+  if (row.table === "renderers") return <Choice {...c} names={renderers.map((r) => r.name)} text={(name) => renderers.find((r) => r.name === name)?.label ?? name} />;
   return (
     <TextField id={c.id} live={c.isParameter} value={typeof c.set === "string" ? c.set : ""} placeholder={c.placeholder} disabled={c.disabled} invalid={!!c.error}
       describedBy={c.describedBy} onCommit={(text) => c.commit(text === "" ? undefined : text)} />

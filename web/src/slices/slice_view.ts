@@ -61,7 +61,8 @@ export class SliceView extends OwnView {
   }
 
   private findView(world: JsonObject): void {
-    const there = valueAt(world, `views.${this.view}.render.method`) === "slice";
+    const method = valueAt(world, `views.${this.view}.render.method`);
+    const there = !!store.welcome.value?.renderers.some((row) => row.plane && row.name === method);
     if (this.seen && !there) this.again(); // another World, which has no such view yet
     this.seen ||= there;
   }
