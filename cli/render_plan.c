@@ -1,34 +1,12 @@
 /* render --dry-run: what would be read and made, and the memory that it takes. */
 #include "render_plan.h"
-#include "core/job.h"
-#include "core/memory.h"
-#include "core/status.h"
 #include "core/units.h"
-#include "image/image_layer.h"
 #include "pipeline.h"
+#include "render/picture.h"
 #include "scene/resolve.h"
 #include "value.h"
 #include <inttypes.h>
 #include <volvis/render.h>
-
-/* Beside the image: the colours of a pass and, to tell the noise, the mean of half of them; or the coarse picture,
- * which is like the image. Once these are gone, what decorations need, and then the file. The threads' own. */
-enum { PASS_BYTES = 16, NOISE_BYTES = 16, AFTER_BYTES = 8 };
-enum { THREADS_BYTES = 4 << 20 };
-
-static uint64_t picture_bytes(const vv_renderer *renderer, const vv_view *view)
-{
-    vv_scene scene = {.view = (vv_view *)view, .renderer = renderer};
-    vvi_resolve_sampling(&scene);
-    const uint64_t image = vvi_image_pixel_bytes(scene.layers);
-    uint64_t beside = 0;
-    if (!scene.renderer->draw && scene.samples > 1)
-        beside = PASS_BYTES + (scene.noise > 0 ? NOISE_BYTES : 0);
-    else if (scene.adaptive)
-        beside = image;
-    beside = beside > AFTER_BYTES ? beside : AFTER_BYTES;
-    return (uint64_t)view->width * (uint64_t)view->height * (image + beside) + THREADS_BYTES;
-}
 
 /* What the method makes of each volume that shows a dataset. */
 static uint64_t made_bytes(const vv_renderer *renderer, const vv_world *world, const vv_view *view, const char *data,
@@ -60,16 +38,23 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_world *world, const vv_data
     return VV_OK;
 }
 
-/* Data are read for it: what does not fit has been refused. */
-static vv_status tell_time(cli_command *command, vv_world *world, const char *view)
+/* Of a picture that is made part by part, its middle tells. */
+enum { PART_ROWS = 4 * VVI_TILE };
+
+/* Data are read for it: what does not fit is refused. */
+static vv_status tell_time(cli_command *command, vv_world *world, const vv_view *view, const char *id, bool at_once)
 {
     double render_s = 0;
     vv_render_report report;
     vv_picture *picture;
-    vv_status st = vv_picture_new(&picture, world, view, false, command->job);
+    const int32_t height = (int32_t)view->height, top = height / 2 / VVI_TILE * VVI_TILE;
+    const int32_t rows = height - top < PART_ROWS ? height - top : PART_ROWS;
+    vv_status st = at_once ? vv_picture_new(&picture, world, id, false, command->job)
+                           : vvi_picture_new_rows(&picture, world, id, top, rows, command->job);
     if (st != VV_OK)
         return st;
     st = vv_picture_estimate(&render_s, picture, command->job);
+    render_s *= at_once ? 1 : (double)height / rows;
     vv_picture_report(&report, picture);
     vv_picture_free(picture);
     if (st != VV_OK)
@@ -92,8 +77,11 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
     char needed[32];
     if (!renderer)
         return vv_error_last()->status;
-    const uint64_t picture = picture_bytes(renderer, view);
-    uint64_t bytes = picture;
+    uint64_t picture, bytes;
+    bool at_once;
+    if ((st = vv_render_memory(&picture, &at_once, world, view_id, command->job)) != VV_OK)
+        return st;
+    bytes = picture;
     for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
         vv_field_info info;
@@ -120,6 +108,8 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
             cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
         bytes += samples + made_bytes(renderer, world, view, world->datasets->entry[i].id, &info);
     }
+    const uint64_t limit = vv_runtime_memory_limit(command->runtime);
+    bytes = !at_once && bytes > limit ? limit : bytes;
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", output, view->width, view->height);
     cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
@@ -128,6 +118,8 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
     vvi_result_integer(&command->json, "height", view->height);
     vvi_result_unsigned(&command->json, "memory_bytes", bytes);
     vvi_result_bool(&command->json, "dry_run", true);
-    st = vvi_memory_plan(command->job, picture, "the picture");
-    return st == VV_OK ? tell_time(command, world, view_id) : st;
+    if (!at_once)
+        cli_command_line(command, "", "the picture is made part by part, within the memory limit");
+    vvi_result_bool(&command->json, "in_parts", !at_once);
+    return tell_time(command, world, view, view_id, at_once);
 }

@@ -20,7 +20,7 @@ static void describe_rays(cli_rendering *r)
     char *out = r->recipe.rays;
     const size_t room = sizeof r->recipe.rays;
     const double pixels = r->image ? (double)r->image->width * r->image->height : 1;
-    const double mean = (double)f->rays / pixels;
+    const double mean = r->in_parts ? (double)f->passes : (double)f->rays / pixels;
     const char *by = f->ended_by == VV_END_SAMPLES ? "" : vv_render_end_name(f->ended_by);
     size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s per pixel", f->passes, f->passes == 1 ? "" : "s");
     if (mean < 0.95 * (double)f->passes)
@@ -72,6 +72,16 @@ static vv_status write_to_standard(const cli_rendering *r, const vv_image_option
     return st;
 }
 
+static vv_status make_parts(cli_rendering *r, const vv_image_options *options)
+{
+    const double start_s = cli_now_s();
+    const vv_status st = vv_render_to_file(&r->first, r->output, r->world, r->recipe.view, options, r->command->job);
+    r->last = r->first;
+    r->render_s = r->first.render_s;
+    r->first_s = cli_now_s() - start_s;
+    return st;
+}
+
 static vv_status write_picture(cli_rendering *r, const vv_world *fixed)
 {
     vv_image_options options = r->image_options;
@@ -82,7 +92,9 @@ static vv_status write_picture(cli_rendering *r, const vv_world *fixed)
         return st;
     options.text = text;
     options.n_text = n;
-    st = r->suffix[0] ? write_to_standard(r, &options) : vv_image_write(r->output, r->image, &options, r->command->job);
+    st = r->in_parts    ? make_parts(r, &options)
+         : r->suffix[0] ? write_to_standard(r, &options)
+                        : vv_image_write(r->output, r->image, &options, r->command->job);
     vv_text_free(text, n);
     return st;
 }
@@ -108,7 +120,7 @@ vv_status cli_rendering_write(cli_rendering *r)
     vv_object_release(&fixed->base);
     if (st == VV_OK)
         cli_resuming_end(r);
-    r->write_s = cli_now_s() - start_s;
+    r->write_s = cli_now_s() - start_s - (r->in_parts ? r->first.prepare_s + r->render_s : 0);
     return st;
 }
 
@@ -135,11 +147,11 @@ void cli_rendering_report(cli_rendering *r)
 {
     vvi_result *json = &r->command->json;
     const vv_render_report *f = &r->last;
-    const vv_image *image = r->image;
-    vvi_check(image != NULL);
+    const int32_t width = (int32_t)cli_rendering_view(r)->width, height = (int32_t)cli_rendering_view(r)->height;
     vvi_result_string(json, "output", r->output);
-    vvi_result_integer(json, "width", image->width);
-    vvi_result_integer(json, "height", image->height);
+    vvi_result_integer(json, "width", width);
+    vvi_result_integer(json, "height", height);
+    vvi_result_bool(json, "in_parts", r->in_parts);
     vvi_result_string(json, "view", r->recipe.view);
     vvi_result_string(json, "method", f->method);
     vvi_result_number(json, "load_s", r->load_s);
@@ -158,8 +170,8 @@ void cli_rendering_report(cli_rendering *r)
     vvi_text_printf(&r->command->text,
                     ": %" PRId32 " x %" PRId32
                     ", %s, %s; %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
-                    image->width, image->height, f->method, r->recipe.rays, f->threads, f->threads == 1 ? "" : "s",
-                    f->isa, r->load_s, r->first.prepare_s, r->render_s);
+                    width, height, f->method, r->recipe.rays, f->threads, f->threads == 1 ? "" : "s", f->isa, r->load_s,
+                    r->first.prepare_s, r->render_s);
     report_layers(r);
     r->command->kept = f->ended_by == VV_END_STOPPED;
     vvi_result_bool(json, "interrupted", r->command->kept);

@@ -95,7 +95,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
         for (int32_t x = tile->x0; x < tile->x1; x++) {
             vv_vec3 origin, direction;
             vv_lens_ray(&origin, &direction, &scene->lens, scene->width, scene->height,
-                        (double)x * pass->stride + pass->x, (double)y * pass->stride + pass->y);
+                        (double)x * pass->stride + pass->x, (double)y * pass->stride + pass->top + pass->y);
             origin = vv_affine_point(f->to_field, origin);
             direction = vv_affine_vector(f->to_field, direction);
             const float light = (float)(1 - exp(-f->per_length * depth_along(f, origin, direction)));

@@ -9,6 +9,7 @@
 #include "render_plan.h"
 #include "rendering.h"
 #include "resuming.h"
+#include "scene/resolve.h"
 #include "signals.h"
 #include "value.h"
 #include "verbs.h"
@@ -122,6 +123,23 @@ static vv_status render(cli_rendering *r)
     return st == VV_OK && r->options->repeat > 0 ? repeat(r, (size_t)r->options->repeat) : st;
 }
 
+/* Larger than memory: it is made while it is written. What needs all of it at once is left to fail as it does. */
+static vv_status choose_parts(cli_rendering *r)
+{
+    vv_scene scene = {.view = cli_rendering_view(r)};
+    uint64_t bytes;
+    bool at_once;
+    const vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
+    if (st != VV_OK || at_once || r->is_figure || r->checkpoint || r->options->repeat || r->suffix[0])
+        return st;
+    scene.renderer = vv_registry_renderer(r->command->registry, vvi_method_of(r->world, scene.view, r->command->job));
+    vvi_resolve_sampling(&scene);
+    r->in_parts = true;
+    r->last.passes = scene.samples; /* that it is to have: the recipe is written first */
+    r->last.ended_by = VV_END_SAMPLES;
+    return VV_OK;
+}
+
 /* A figure has colours alone. */
 static vv_status choose_figure(cli_rendering *r)
 {
@@ -213,7 +231,7 @@ static vv_status run(cli_command *command)
             st = cli_render_plan(command, r.world, r.recipe.view, r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
-        else if ((st = render(&r)) == VV_OK && r.saved)
+        else if ((st = choose_parts(&r)) == VV_OK && (st = r.in_parts ? VV_OK : render(&r)) == VV_OK && r.saved)
             cli_resuming_report(&r);
         else if (st == VV_OK && (st = cli_rendering_write(&r)) == VV_OK)
             cli_rendering_report(&r);

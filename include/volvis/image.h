@@ -64,6 +64,17 @@ VV_API void vv_image_options_init(vv_image_options *options, size_t size);
  * Never half a file: several files appear after all of them are whole. A format without transparency shows the image
  * over black, with a warning in the log. */
 VV_API vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job);
+/** An image that is never whole in memory. */
+typedef struct vv_image_rows {
+    int32_t width, height;
+    bool transparent; /**< its alpha may be below 1 */
+    /** The next rows from the top, one or more, as an image of them; until the next call. */
+    vv_status (*next)(void *user, const vv_image **out, vv_job *job);
+    void *user;
+} vv_image_rows;
+/** vv_image_write() of one without layers; VV_E_UNSUPPORTED where a format needs all of it at once: PNG does not. */
+VV_API vv_status vv_image_write_rows(const char *path, const vv_image_rows *rows, const vv_image_options *options,
+                                     vv_job *job);
 /** The same in memory: the bytes of a file of the format that this suffix has (".png"), yours to free with
  * vv_image_bytes_free(). Layers have no place there. */
 VV_API vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, const vv_image *image,

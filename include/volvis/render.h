@@ -77,6 +77,26 @@ VV_API void vv_render_options_init(vv_render_options *options, size_t size);
 VV_API vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view,
                            const vv_render_options *options, vv_job *job);
 
+/**
+ * What a picture of this view takes in memory while it is made, beside data and what is made of them. Where
+ * *at_once_out is false, that is more than the memory limit leaves now, and vv_render_to_file() makes it part by part.
+ *
+ * Errors   VV_E_NOT_FOUND
+ */
+VV_API vv_status vv_render_memory(uint64_t *bytes_out, bool *at_once_out, const vv_world *world, const char *view,
+                                  vv_job *job);
+/**
+ * Render one view into an image file from the top down, as many rows at once as the memory limit allows: the pixels of
+ * vv_render(). For pictures of any size.
+ *
+ * options  NULL: all defaults; no layers
+ * Errors   those of vv_render() and vv_image_write_rows(); VV_E_UNSUPPORTED: what looks at a whole picture
+ * (decorations, noise, budgets of time, methods that draw at once) Owns     report may be NULL; its times are sums over
+ * the parts
+ */
+VV_API vv_status vv_render_to_file(vv_render_report *report, const char *path, vv_world *world, const char *view,
+                                   const vv_image_options *options, vv_job *job);
+
 /** A picture on its way. For one thread at a time. */
 typedef struct vv_picture vv_picture;
 

@@ -132,7 +132,7 @@ static vv_status render_run(vv_picture *picture, adaptive *a, int32_t i0, int32_
 {
     const int32_t x = i0 * VVI_COARSE, y = j * VVI_COARSE, right = i1 * VVI_COARSE, bottom = y + VVI_COARSE;
     const vv_tile tile = {x, y, right < picture->scene->width ? right : picture->scene->width,
-                          bottom < picture->scene->height ? bottom : picture->scene->height};
+                          bottom < picture->scene->rows ? bottom : picture->scene->rows};
     return vvi_preview_render(picture, &tile, scratch, counts);
 }
 

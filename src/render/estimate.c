@@ -24,7 +24,7 @@ static vv_status draw(double *out, vv_picture *picture, int64_t samples, vv_job 
     const double start_s = vvi_render_clock();
     vv_render_counts counts = {0};
     vv_image *image;
-    vv_status st = vv_image_new(&image, scene->width, scene->height, scene->layers, job);
+    vv_status st = vv_image_new(&image, scene->width, scene->rows, scene->layers, job);
     if (st != VV_OK)
         return st;
     st = scene->renderer->draw(picture->state, image, samples, &samples, &counts, job);
@@ -58,7 +58,7 @@ static vv_status time_passes(double *out, vv_picture *picture, vv_job *job)
         return st;
     double first_s = got->spent_s, each_s;
     if (got->passes == 0) {
-        first_s = each_s = got->spent_s / share_done(picture, scene->width, scene->height);
+        first_s = each_s = got->spent_s / share_done(picture, scene->width, scene->rows);
     } else {
         until.passes = 3;
         if ((st = vv_picture_step(picture, &until, job)) != VV_OK)

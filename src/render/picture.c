@@ -12,12 +12,12 @@
 /* Its end --------------------------------------------------------------------------------------------------------- */
 
 /* A picture of nothing is rarely what was meant, and says nothing of why. */
-static void warn_of_nothing(const vv_picture *picture)
+void vvi_warn_of_nothing(const vv_scene *scene, uint64_t covered, vv_job *job)
 {
-    if (picture->got.counts.covered)
+    if (covered)
         return;
-    vvi_log(picture->job, VV_LOG_WARNING, "render", "%s",
-            picture->scene->n_actors + picture->scene->n_mesh_actors
+    vvi_log(job, VV_LOG_WARNING, "render", "%s",
+            scene->n_actors + scene->n_mesh_actors
                 ? "nothing is seen: every value is transparent, cut away or outside the view; check the transfer "
                   "function or iso value, the cuts and the camera"
                 : "nothing is seen: no volume is visible");
@@ -68,7 +68,8 @@ static vv_status end_whole(vv_picture *picture)
         picture, &(vvi_tiles){.width = image->width, .height = image->height, .tile = count_covered, .quiet = true});
     if (st != VV_OK)
         return st;
-    warn_of_nothing(picture);
+    if (picture->scene->rows == picture->scene->height)
+        vvi_warn_of_nothing(picture->scene, picture->got.counts.covered, picture->job);
     warn_of_layers(picture);
     return VV_OK;
 }
@@ -178,6 +179,21 @@ void vv_picture_report(vv_render_report *out, const vv_picture *picture)
     };
 }
 
+/* What looks at all of a picture at once cannot be made part by part. */
+vv_status vvi_has_parts(const vv_scene *scene)
+{
+    const char *why = scene->renderer->draw        ? "its method makes the picture at once; use method raycast"
+                      : vvi_decorate_wanted(scene) ? "decorations are placed by the whole picture; omit them"
+                      : scene->noise > 0    ? "noise is judged on the whole picture; give a number of rays (samples)"
+                      : scene->budget_s > 0 ? "a budget of time is for the whole picture; give a number of rays "
+                                              "(samples)"
+                                            : NULL;
+    return why ? vv_fail(VV_E_UNSUPPORTED,
+                         "a picture of %d x %d pixels is more than the memory limit allows at once, and %s",
+                         scene->width, scene->height, why)
+               : VV_OK;
+}
+
 /* New and gone ---------------------------------------------------------------------------------------------------- */
 
 /* One that takes what this one does not, with the rest where there is one. */
@@ -208,13 +224,15 @@ static void foresee(vv_picture *picture)
 {
     const vv_scene *scene = picture->scene;
     const uint64_t across = ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE;
-    const uint64_t tiles = across * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
+    const uint64_t tiles = across * (((uint64_t)scene->rows + VVI_TILE - 1) / VVI_TILE);
     const uint64_t passes = (uint64_t)picture->got.passes, all = (uint64_t)scene->samples;
     uint64_t begun = 0;
     for (size_t i = 0; i < picture->got.n_tiles; i++)
         begun += picture->got.stage != VVI_STAGE_ADD && picture->got.done[i];
     picture->n_done = tiles * passes + begun;
     picture->n_ahead = tiles * all > picture->n_done ? tiles * all - picture->n_done : 0;
+    picture->n_done += across * (uint64_t)(scene->top / VVI_TILE) * all; /* of other parts of it */
+    picture->n_ahead += across * (uint64_t)((scene->height - scene->top - scene->rows + VVI_TILE - 1) / VVI_TILE) * all;
 }
 
 static vvi_stage first_stage(const vv_picture *picture)
@@ -237,7 +255,21 @@ static vv_status prepare(vv_picture *picture)
     return st;
 }
 
-vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bool coarse, vv_job *job)
+static vv_status choose_rows(vv_scene *scene, int32_t top, int32_t rows)
+{
+    if (rows == 0)
+        return VV_OK;
+    if (top % VVI_TILE || top < 0 || rows < 1 || rows > scene->height - top)
+        return vv_fail(VV_E_ARGUMENT, "rows %d to %d of a picture that has %d: they begin at a multiple of %d", top,
+                       top + rows - 1, scene->height, VVI_TILE);
+    scene->top = top;
+    scene->rows = rows;
+    scene->adaptive = false; /* it looks at neighbours, which another part may have */
+    return vvi_has_parts(scene);
+}
+
+static vv_status new_picture(vv_picture **out, vv_world *world, const char *view, bool coarse, int32_t top,
+                             int32_t rows, vv_job *job)
 {
     const double start_s = vvi_render_clock();
     *out = NULL;
@@ -247,7 +279,7 @@ vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bo
     picture->coarse = coarse;
     work_in(picture, job);
     vv_status st = vv_scene_resolve(&picture->scene, world, view, job);
-    if (st == VV_OK && (st = prepare(picture)) != VV_OK) {
+    if (st == VV_OK && ((st = choose_rows(picture->scene, top, rows)) != VV_OK || (st = prepare(picture)) != VV_OK)) {
         vv_scene_release(picture->scene); /* the renderer has prepared nothing */
         picture->scene = NULL;
     }
@@ -260,6 +292,17 @@ vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bo
     foresee(picture);
     *out = picture;
     return VV_OK;
+}
+
+vv_status vv_picture_new(vv_picture **out, vv_world *world, const char *view, bool coarse, vv_job *job)
+{
+    return new_picture(out, world, view, coarse, 0, 0, job);
+}
+
+vv_status vvi_picture_new_rows(vv_picture **out, vv_world *world, const char *view, int32_t top, int32_t rows,
+                               vv_job *job)
+{
+    return new_picture(out, world, view, false, top, rows, job);
 }
 
 void vvi_picture_adopt(vv_picture *picture, vvi_gathered *got)

@@ -89,6 +89,14 @@ double vvi_picture_spent(const vv_picture *picture);
 /** Takes what another picture that depends on the same things has gathered, in the place of its own. */
 void vvi_picture_adopt(vv_picture *picture, vvi_gathered *got);
 
+/** Of a picture in which so many pixels show something. */
+void vvi_warn_of_nothing(const vv_scene *scene, uint64_t covered, vv_job *job);
+/** Whether it can be made part by part: VV_OK, or VV_E_UNSUPPORTED and why not. */
+vv_status vvi_has_parts(const vv_scene *scene);
+/** vv_picture_new() of the rows [top, top + rows) of a picture, top being a multiple of VVI_TILE: the pixels that they
+ * have in the whole one, to the bit; every one has its own rays, even where the view is adaptive. */
+vv_status vvi_picture_new_rows(vv_picture **out, vv_world *world, const char *view, int32_t top, int32_t rows,
+                               vv_job *job);
 /** Whether the scene's renderer can draw it: VV_OK, or why not. */
 vv_status vvi_accepts(const vv_scene *scene);
 /** vv_field_health() of all that is shown: samples that went while they were drawn were drawn as 0. */

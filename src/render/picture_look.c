@@ -61,7 +61,7 @@ vv_status vv_picture_look(vv_image **out, vv_picture *picture, vv_job *job)
     vv_image *image = NULL;
     *out = NULL;
     picture->job = job;
-    vv_status st = vv_image_new(&image, scene->width, scene->height, scene->layers, job);
+    vv_status st = vv_image_new(&image, scene->width, scene->rows, scene->layers, job);
     if (st == VV_OK && (st = copy_light(picture, image)) == VV_OK)
         st = decorate(picture, image);
     picture->got.spent_s += vvi_render_clock() - start_s;

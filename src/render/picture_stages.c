@@ -9,7 +9,7 @@
 
 vv_status vvi_gathered_begin(vvi_gathered *got, const vv_scene *scene, vvi_stage stage, vv_job *job)
 {
-    const int32_t w = scene->width, h = scene->height;
+    const int32_t w = scene->width, h = scene->rows;
     *got = (vvi_gathered){.stage = stage, .n_tiles = vvi_picture_tiles_most(w, h)};
     vv_status st = vv_image_new(&got->image, w, h, scene->layers, job);
     if (st == VV_OK && stage <= VVI_STAGE_SQUARES)
@@ -20,11 +20,11 @@ vv_status vvi_gathered_begin(vvi_gathered *got, const vv_scene *scene, vvi_stage
 
 vv_status vvi_gathered_begin_passes(vvi_gathered *got, const vv_scene *scene, vv_job *job)
 {
-    const size_t n = (size_t)scene->width * (size_t)scene->height, half_bytes = n * 4 * sizeof *got->half;
+    const size_t n = (size_t)scene->width * (size_t)scene->rows, half_bytes = n * 4 * sizeof *got->half;
     got->n_across = (scene->width + VVI_BLOCK - 1) / VVI_BLOCK;
-    got->n_down = (scene->height + VVI_BLOCK - 1) / VVI_BLOCK;
+    got->n_down = (scene->rows + VVI_BLOCK - 1) / VVI_BLOCK;
     const size_t n_blocks = (size_t)got->n_across * (size_t)got->n_down;
-    const vv_status st = vv_image_new(&got->shifted, scene->width + 1, scene->height + 1, 0, job);
+    const vv_status st = vv_image_new(&got->shifted, scene->width + 1, scene->rows + 1, 0, job);
     if (st != VV_OK)
         return st;
     got->active = vvi_alloc(job, n_blocks, VVI_MEM_SCRATCH);
@@ -106,7 +106,7 @@ static vv_status do_first(vv_picture *picture)
     bool whole;
     const vv_status st = vvi_picture_go_on(
         &whole, picture,
-        &(vvi_tiles){.width = picture->scene->width, .height = picture->scene->height, .tile = first_tile});
+        &(vvi_tiles){.width = picture->scene->width, .height = picture->scene->rows, .tile = first_tile});
     if (st == VV_OK && whole)
         end_first_pass(picture);
     return st;

@@ -191,5 +191,10 @@ static uint64_t mixed(uint64_t seed, uint64_t number)
 
 vv_pass vvi_picture_pass(const vv_picture *picture, double x, double y, int32_t stride, uint64_t number)
 {
-    return (vv_pass){.x = x, .y = y, .stride = stride, .number = number, .seed = mixed(picture->scene->seed, number)};
+    return (vv_pass){.x = x,
+                     .y = y,
+                     .stride = stride,
+                     .top = picture->scene->top,
+                     .number = number,
+                     .seed = mixed(picture->scene->seed, number)};
 }

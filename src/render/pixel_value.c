@@ -202,7 +202,8 @@ static vv_status fill_row(void *scratch, void *user, size_t y)
         vvi_seen seen;
         if (!isfinite(image->depth[at]) || (image->id && image->id[at] > f->sight->scene->n_actors))
             continue; /* nothing, or a mesh: the renderer's */
-        vvi_sight_at(&seen, f->sight, x + 0.5, (double)y + 0.5, (double)image->depth[at]);
+        vvi_sight_at(&seen, f->sight, x + 0.5, (double)(y + (size_t)f->sight->scene->top) + 0.5,
+                     (double)image->depth[at]);
         if (image->normal && !(f->sight->scene->renderer->can & VV_CAN_NORMALS)) {
             image->normal[3 * at] = (float)seen.normal.x;
             image->normal[3 * at + 1] = (float)seen.normal.y;

@@ -301,7 +301,7 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
     if ((st = find_view(r, view_id)) != VV_OK || (st = find_renderer(r, job)) != VV_OK)
         goto fail;
     r->scene.width = (int32_t)r->scene.view->width;
-    r->scene.height = (int32_t)r->scene.view->height;
+    r->scene.height = r->scene.rows = (int32_t)r->scene.view->height;
     vvi_resolve_sampling(&r->scene);
     if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
         (st = resolve_light(r, job)) != VV_OK)

@@ -381,9 +381,26 @@ def test_a_dry_run_makes_nothing_and_tells_memory_and_time():
         assert 0 < ok("render", "head.nrrd", "-o", "a.png", "--dry-run", "--json", *words).json["estimated_s"], words
 
 
+def test_a_picture_larger_than_memory_is_made_part_by_part():
+    write_ball()
+    large = ("render", "head.nrrd", "--size", "700x900")
+    at_once = ok(*large, "-o", "once.png", "--json").json
+    parts = ok(*large, "-o", "parts.png", "--memory", "20M", "--json").json
+    assert parts["in_parts"] and not at_once["in_parts"] and parts["passes"] == at_once["passes"], (parts, at_once)
+    assert parts["peak_bytes"] < 20 << 20 < at_once["peak_bytes"], (parts, at_once)
+    assert ok("compare", "once.png", "parts.png", "--json").json["identical"]
+    ok("render", "parts.png", "-o", "again.png")  # its recipe stands before its pixels
+    assert ok("compare", "parts.png", "again.png", "--json").json["identical"]
+    assert ok(*large, "-o", "a.png", "--memory", "20M", "--dry-run", "--json").json["in_parts"]
+    for word, *options in (["PNG", "-o", "a.jpg"], ["decorations", "-o", "a.png", "--decorate", "axes"], ["noise", "-o", "a.png", "--noise", "1%"]):
+        result = volvis(*large, "--memory", "20M", *options)
+        assert result.code != 0
+        says(result.message, word)
+
+
 def test_too_little_memory_for_a_picture_is_said():
     write_ball()
-    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "4000x4000", "--memory", "10M"), "--memory")
+    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "30000x4000", "--memory", "10M"), "--memory")
     assert not os.path.exists("a.png")
 
 

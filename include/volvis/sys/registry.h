@@ -16,7 +16,7 @@
 VV_BEGIN_DECLS
 
 #define VV_FORMAT_API 1
-#define VV_IMAGE_FORMAT_API 1
+#define VV_IMAGE_FORMAT_API 2
 #define VV_MESH_FORMAT_API 1
 #define VV_OPERATION_API 6
 #define VV_RENDERER_API 5
@@ -74,6 +74,8 @@ typedef struct vv_image_format {
     const char *const *suffixes;
     int (*probe)(const uint8_t *head, size_t n, const char *path);
     vv_status (*write)(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
+    /** The same of one that is never whole in memory. NULL: it has to be. */
+    vv_status (*write_rows)(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job);
     /** text_out and n_text_out may be NULL; text is for vv_text_free(). */
     vv_status (*read)(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
     vv_status (*read_text)(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
@@ -235,14 +237,15 @@ typedef struct vv_tile {
 } vv_tile;
 
 /**
- * Which rays fill an image: the one of its pixel (X, Y) goes through (X * stride + x, Y * stride + y), in pixels of the
- * scene's width x height with (0, 0) at the top left corner. One ray through each pixel's centre is {0.5, 0.5, 1}. The
- * image may have another size than the scene: fewer pixels where stride is above 1, some more along its sides where
- * x or y lie beyond the pixel.
+ * Which rays fill an image: the one of its pixel (X, Y) goes through (X * stride + x, top + Y * stride + y), in pixels
+ * of the scene's width x height with (0, 0) at the top left corner. One ray through each pixel's centre is {0.5, 0.5,
+ * 1}. The image may have another size than the scene: fewer pixels where stride is above 1, some more along its sides
+ * where x or y lie beyond the pixel, fewer rows where a picture is made part by part.
  */
 typedef struct vv_pass {
     double x, y;
     int32_t stride;
+    int32_t top;     /**< rows of the scene above the image */
     uint64_t number; /**< of the pass, from 0 */
     uint64_t seed;   /**< of what is random in it: of the scene's seed and the number */
 } vv_pass;

@@ -137,6 +137,8 @@ typedef struct vv_scene {
     const vv_object *params; /**< of the renderer's class */
     int quality;
     int32_t width, height;
+    int32_t top,
+        rows;        /**< of the height those that are made now: all, or a part where a picture is made part by part */
     unsigned layers; /**< the image is to have: vv_layer, depth always */
     int64_t samples; /**< rays a pixel at most */
     double noise;    /**< no more rays for what is known as well as this; 0: the same for all */

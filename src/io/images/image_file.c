@@ -191,6 +191,36 @@ vv_status vv_image_write(const char *path, const vv_image *image, const vv_image
     return vvi_sink_commit(sink);
 }
 
+/* The format of an image that is written row by row. */
+static vv_status choose_for_rows(const vv_image_format **format_out, vv_image_options *out, const char *path,
+                                 const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
+{
+    vv_status st = choose(format_out, out, path, options, job);
+    if (st == VV_OK)
+        st = check_side(path, *format_out, rows->width, rows->height);
+    if (st == VV_OK && (!(*format_out)->write_rows || out->layers))
+        st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                        "an image of %d x %d pixels is more than the memory limit allows at once, and %s; write PNG, "
+                        "which is written row by row",
+                        rows->width, rows->height,
+                        out->layers ? "layers need all of it" : "this format needs all of it");
+    return st;
+}
+
+vv_status vv_image_write_rows(const char *path, const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    vv_sink *sink;
+    vv_status st = choose_for_rows(&format, &full, path, rows, options, job);
+    if (st != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+        return st;
+    if ((st = format->write_rows(sink, rows, &full, job)) == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
 vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, const vv_image *image,
                           const vv_image_options *options, vv_job *job)
 {

@@ -116,7 +116,7 @@ static vv_status put_picture(writer *w, int number)
     };
     vvi_text t = {0};
     vvi_srgb_table_init(&table);
-    vv_status st = vvi_png_strips_make(&strips, &codes, w->job);
+    vv_status st = vvi_png_strips_make(&strips, &codes, NULL, w->job);
     if (st == VV_OK) {
         open_object(w, &t, number);
         vvi_text_printf(&t,

@@ -21,6 +21,7 @@ bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user);
 /** Of one text and of all chunks that hold text. */
 #define VVI_PNG_TEXT_MOST ((size_t)16 << 20)
 
+vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job);
 vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
 vv_status vvi_png_read(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
 vv_status vvi_png_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);

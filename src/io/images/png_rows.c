@@ -81,7 +81,8 @@ static vv_status deflate_strip(vvi_png_strip *out, uint8_t *raw, bool last, vv_j
 }
 
 /* Rows [y0, y1). */
-static vv_status make_strip(vvi_png_strip *out, const vvi_codes *codes, int32_t y0, int32_t y1, vv_job *job)
+static vv_status make_strip(vvi_png_strip *out, const vvi_codes *codes, const vvi_png_part *part, int32_t y0,
+                            int32_t y1, vv_job *job)
 {
     const size_t n = vvi_codes_row_bytes(codes), pixel = (size_t)(codes->channels * codes->bits / 8);
     *out = (vvi_png_strip){.n_raw = (n + 1) * (size_t)(y1 - y0)};
@@ -92,13 +93,15 @@ static vv_status make_strip(vvi_png_strip *out, const vvi_codes *codes, int32_t 
     uint8_t *above = memory + pixel, *row = above + n + pixel, *other = row + n, *raw = other + n + 1;
     if (y0 > 0)
         vvi_codes_row(above, codes, y0 - 1);
+    else if (part->above)
+        memcpy(above, part->above, n);
     for (int32_t y = y0; y < y1; y++) {
         vvi_codes_row(row, codes, y);
         filter_row(raw + (size_t)(y - y0) * (n + 1), other, row, above, n, pixel);
         memcpy(above, row, n);
     }
     out->adler = (uint32_t)adler32_z(1, raw, out->n_raw);
-    const vv_status st = deflate_strip(out, raw, y1 == codes->image->height, job);
+    const vv_status st = deflate_strip(out, raw, part->last && y1 == codes->image->height, job);
     vvi_free(memory);
     return st;
 }
@@ -106,6 +109,7 @@ static vv_status make_strip(vvi_png_strip *out, const vvi_codes *codes, int32_t 
 typedef struct making {
     vvi_png_strips *strips;
     const vvi_codes *codes;
+    const vvi_png_part *part;
     vv_job *job;
 } making;
 
@@ -114,30 +118,31 @@ static vv_status strip_item(void *scratch, void *user, size_t index)
     (void)scratch;
     const making *m = user;
     const int32_t height = m->codes->image->height, rows = m->strips->rows, y0 = (int32_t)index * rows;
-    return make_strip(&m->strips->strip[index], m->codes, y0, height - y0 < rows ? height : y0 + rows, m->job);
+    return make_strip(&m->strips->strip[index], m->codes, m->part, y0, height - y0 < rows ? height : y0 + rows, m->job);
 }
 
-static void finish_stream(vvi_png_strips *s)
+static void finish_stream(vvi_png_strips *s, vvi_png_part *part)
 {
-    uLong adler = s->strip[0].adler;
+    uLong adler = part->first ? 1 : part->adler;
     s->head[0] = 0x78;
     s->head[1] = 0x01;
     s->n_bytes = sizeof s->head + sizeof s->tail;
     for (size_t i = 0; i < s->n; i++) {
         s->n_bytes += s->strip[i].n_bytes;
-        if (i > 0)
-            adler = adler32_combine(adler, s->strip[i].adler, (z_off_t)s->strip[i].n_raw);
+        adler = adler32_combine(adler, s->strip[i].adler, (z_off_t)s->strip[i].n_raw);
     }
+    part->adler = (uint32_t)adler;
     for (int b = 0; b < 4; b++)
         s->tail[b] = (uint8_t)(adler >> (24 - 8 * b));
 }
 
-vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vv_job *job)
+vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vvi_png_part *part, vv_job *job)
 {
     static const vvi_work work = {.stage = "write image", .item = strip_item};
     const int32_t height = codes->image->height;
     const size_t rows = STRIP_BYTES / vvi_codes_row_bytes(codes) + 1;
-    making m = {out, codes, job};
+    vvi_png_part all = {.first = true, .last = true};
+    making m = {out, codes, part ? part : &all, job};
     *out = (vvi_png_strips){.rows = rows < (size_t)height ? (int32_t)rows : height};
     out->n = (size_t)((height - 1) / out->rows) + 1;
     out->strip = vvi_alloc_zeroed(job, out->n * sizeof *out->strip, VVI_MEM_SCRATCH);
@@ -145,7 +150,9 @@ vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vv_jo
         return vv_fail_memory(out->n * sizeof *out->strip);
     const vv_status st = vvi_parallel_for(job, &work, &m, out->n);
     if (st == VV_OK)
-        finish_stream(out);
+        finish_stream(out, part ? part : &all);
+    if (st == VV_OK && part)
+        vvi_codes_row(part->above, codes, height - 1);
     return st;
 }
 

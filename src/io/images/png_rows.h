@@ -23,7 +23,15 @@ typedef struct vvi_png_strips {
     size_t n_bytes; /**< of the stream */
 } vvi_png_strips;
 
-/** Free with vvi_png_strips_free(), also when it fails. */
-vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vv_job *job);
+/** Which part of a picture an image is. The stream is all parts in order: the first one's head, the strips of all, the
+ * last one's tail. */
+typedef struct vvi_png_part {
+    bool first, last;
+    uint8_t *above; /**< codes of the row above the first one, zeros where there is none; becomes the last row's */
+    uint32_t adler; /**< of the parts before; becomes that with this one */
+} vvi_png_part;
+
+/** part: NULL: it is all of it. Free with vvi_png_strips_free(), also when it fails. */
+vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vvi_png_part *part, vv_job *job);
 void vvi_png_strips_free(vvi_png_strips *strips);
 #endif

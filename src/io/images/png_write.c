@@ -17,8 +17,10 @@
 typedef struct writer {
     vv_sink *sink;
     const vv_image_options *options;
+    const vv_image_rows *rows;
     vvi_codes codes;
-    vvi_png_strips strips;
+    vvi_png_part part;
+    int32_t y; /* of the next row */
     vv_job *job;
     png_structp png;
     png_infop info;
@@ -82,28 +84,41 @@ static vv_status prepare_text(writer *w)
     return VV_OK;
 }
 
-static void write_pixels(writer *w)
+typedef struct strips_writing {
+    writer *w;
+    const vvi_png_strips *strips;
+} strips_writing;
+
+static void write_strips(void *user)
 {
-    static const png_byte idat[5] = "IDAT", iend[5] = "IEND";
-    const vvi_png_strips *s = &w->strips;
+    static const png_byte idat[5] = "IDAT";
+    const strips_writing *writing = user;
+    const writer *w = writing->w;
+    const vvi_png_strips *s = writing->strips;
     for (size_t i = 0; i < s->n; i++) {
-        const size_t head = i == 0 ? sizeof s->head : 0, tail = i + 1 == s->n ? sizeof s->tail : 0;
+        const size_t head = w->part.first && i == 0 ? sizeof s->head : 0;
+        const size_t tail = w->part.last && i + 1 == s->n ? sizeof s->tail : 0;
         png_write_chunk_start(w->png, idat, (png_uint_32)(head + s->strip[i].n_bytes + tail));
         png_write_chunk_data(w->png, s->head, head);
         png_write_chunk_data(w->png, s->strip[i].data, s->strip[i].n_bytes);
         png_write_chunk_data(w->png, s->tail, tail);
         png_write_chunk_end(w->png);
     }
-    png_write_chunk(w->png, iend, NULL, 0);
 }
 
-static void write_all(void *user)
+static void write_end(void *user)
+{
+    static const png_byte iend[5] = "IEND";
+    png_write_chunk(((const writer *)user)->png, iend, NULL, 0);
+}
+
+static void write_head(void *user)
 {
     writer *w = user;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
-    png_set_IHDR(w->png, w->info, (png_uint_32)w->codes.image->width, (png_uint_32)w->codes.image->height,
-                 w->codes.bits, w->codes.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(w->png, w->info, (png_uint_32)w->rows->width, (png_uint_32)w->rows->height, w->codes.bits,
+                 w->codes.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
     if (w->options->dpi > 0) {
         const png_uint_32 per_metre = (png_uint_32)lround(w->options->dpi / 0.0254);
@@ -112,39 +127,82 @@ static void write_all(void *user)
     if (w->text)
         png_set_text(w->png, w->info, w->text, (int)w->options->n_text);
     png_write_info(w->png, w->info);
-    write_pixels(w);
+}
+
+/* What libpng does; it leaves by a jump where it fails. */
+static vv_status with_libpng(writer *w, void (*what)(void *user), void *user)
+{
+    if (vvi_png_guard(w->png, what, user))
+        return VV_OK;
+    return w->error.status != VV_OK ? w->error.status
+                                    : vv_fail_at(VV_E_WRITE, vvi_sink_name(w->sink), NULL, "libpng: %s", w->error.text);
+}
+
+static vv_status write_part(writer *w)
+{
+    vvi_png_strips strips = {0};
+    vv_status st = w->rows->next(w->rows->user, &w->codes.image, w->job);
+    if (st != VV_OK)
+        return st;
+    w->part.first = w->y == 0;
+    w->y += w->codes.image->height;
+    w->part.last = w->y == w->rows->height;
+    if ((st = vvi_png_strips_make(&strips, &w->codes, &w->part, w->job)) == VV_OK)
+        st = with_libpng(w, write_strips, &(strips_writing){w, &strips});
+    vvi_png_strips_free(&strips);
+    return st;
 }
 
 static vv_status write_file(writer *w)
 {
     w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->error, vvi_png_fail, vvi_png_warn);
     w->info = w->png ? png_create_info_struct(w->png) : NULL;
-    vv_status st = VV_OK;
-    if (!w->info)
-        st = vv_fail_memory(4096);
-    else if (!vvi_png_guard(w->png, write_all, w))
-        st = w->error.status != VV_OK
-                 ? w->error.status
-                 : vv_fail_at(VV_E_WRITE, vvi_sink_name(w->sink), NULL, "libpng: %s", w->error.text);
+    vv_status st = w->info ? with_libpng(w, write_head, w) : vv_fail_memory(4096);
+    while (st == VV_OK && w->y < w->rows->height)
+        st = write_part(w);
+    if (st == VV_OK)
+        st = with_libpng(w, write_end, w);
     png_destroy_write_struct(&w->png, &w->info);
     return st;
 }
 
-vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job)
+vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
 {
     vvi_srgb_table table;
-    writer w = {.sink = sink, .options = options, .job = job};
+    writer w = {.sink = sink, .options = options, .rows = rows, .job = job};
+    const vv_image sizes = {.width = rows->width, .height = rows->height};
     vvi_srgb_table_init(&table);
     w.codes = (vvi_codes){
-        .image = image,
-        .channels = options->alpha && vvi_image_transparent(image) ? 4 : 3,
+        .image = &sizes,
+        .channels = options->alpha && rows->transparent ? 4 : 3,
         .bits = options->bits,
         .table = &table,
     };
-    vv_status st;
-    if ((st = prepare_text(&w)) == VV_OK && (st = vvi_png_strips_make(&w.strips, &w.codes, job)) == VV_OK)
+    const size_t row = vvi_codes_row_bytes(&w.codes);
+    w.part.above = vvi_alloc_zeroed(job, row, VVI_MEM_SCRATCH);
+    vv_status st = w.part.above ? prepare_text(&w) : vv_fail_memory(row);
+    if (st == VV_OK)
         st = write_file(&w);
-    vvi_png_strips_free(&w.strips);
+    vvi_free(w.part.above);
     vvi_free(w.text);
     return st;
+}
+
+static vv_status all_rows(void *user, const vv_image **out, vv_job *job)
+{
+    (void)job;
+    *out = user;
+    return VV_OK;
+}
+
+vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job)
+{
+    const vv_image_rows rows = {
+        .width = image->width,
+        .height = image->height,
+        .transparent = options->alpha && vvi_image_transparent(image),
+        .next = all_rows,
+        .user = (void *)image,
+    };
+    return vvi_png_write_rows(sink, &rows, options, job);
 }

@@ -17,9 +17,9 @@ static const int8_t block_y[VVI_RAY_GROUP] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3
 VV_INLINE int32_t eye_cell(const vvi_eye *eye, double x, double y)
 {
     const int32_t across = vvi_parc_cells(eye->width);
-    if (!(x >= 0 && y >= 0 && x < eye->width && y < eye->height))
+    if (!(x >= 0 && y >= eye->top && x < eye->width && y < eye->top + eye->rows))
         return -1;
-    return ((int32_t)y >> VVI_PARC_SHIFT) * across + ((int32_t)x >> VVI_PARC_SHIFT);
+    return (((int32_t)y - eye->top) >> VVI_PARC_SHIFT) * across + ((int32_t)x >> VVI_PARC_SHIFT);
 }
 
 VV_INLINE void eye_block(vvi_rays *out, const vvi_eye *eye, const vv_tile *tile, int32_t x0, int32_t y0)
@@ -30,7 +30,7 @@ VV_INLINE void eye_block(vvi_rays *out, const vvi_eye *eye, const vv_tile *tile,
     double x[VVI_RAY_GROUP], y[VVI_RAY_GROUP];
     for (int i = 0; i < VVI_RAY_GROUP; i++) {
         x[i] = (x0 + block_x[i]) * eye->stride + eye->x;
-        y[i] = (y0 + block_y[i]) * eye->stride + eye->y;
+        y[i] = eye->top + (y0 + block_y[i]) * eye->stride + eye->y;
     }
     for (int i = 0; i < VVI_RAY_GROUP; i++) {
         const double u = (x[i] / eye->width * 2 - 1) * lens->half_width;

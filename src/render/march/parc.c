@@ -65,7 +65,7 @@ static point project(const vvi_parc_view *view, vv_vec3 v, double w)
     point p = {.z = vvi_dot(v, lens->forward)};
     p.w = lens->parallel ? w : p.z;
     p.x = (x / lens->half_width + p.w) * view->width / 2 * cells;
-    p.y = (p.w - y / lens->half_height) * view->height / 2 * cells;
+    p.y = ((p.w - y / lens->half_height) * view->height / 2 - p.w * view->top) * cells;
     return p;
 }
 
@@ -293,7 +293,7 @@ static bool eye_inside(const projection *p)
 vv_status vvi_parc_init(vvi_parc *out, const vvi_boxes *boxes, const vvi_parc_view *view, vv_job *job)
 {
     *out = (vvi_parc){
-        .width = vvi_parc_cells(view->width), .height = vvi_parc_cells(view->height), .forward = view->lens->forward};
+        .width = vvi_parc_cells(view->width), .height = vvi_parc_cells(view->rows), .forward = view->lens->forward};
     projection p = {.parc = out, .boxes = boxes, .view = view, .job = job};
     size_t n = 0;
     vv_status st = vvi_mul_size(&n, (size_t)out->width, (size_t)out->height);

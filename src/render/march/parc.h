@@ -28,7 +28,8 @@ typedef struct vvi_parc {
 /** What is seen of the boxes, and from where. */
 typedef struct vvi_parc_view {
     const vv_lens *lens;
-    int32_t width, height; /**< pixels */
+    int32_t width, height; /**< pixels of the picture */
+    int32_t top, rows;     /**< of them those that the buffer is for; top: whole cells */
     vv_affine index_to_world;
     double lo[3], hi[3]; /**< the volume's domain in index space: border boxes reach to it */
     double before;       /**< index space: box i begins at i * 2^shift - before (nearest samples: 0.5) */

@@ -29,12 +29,14 @@ typedef struct vvi_sink {
                                      is gone; INFINITY: nowhere */
 } vvi_sink;
 
-/** The rays of one pass of a picture: pixel (X, Y) of its image looks through (X * stride + x, Y * stride + y) of the
- * scene's. */
+/** The rays of one pass of a picture: pixel (X, Y) of its image looks through (X * stride + x, top + Y * stride + y) of
+ * the scene's. */
 typedef struct vvi_eye {
     vv_lens lens;
     int32_t width, height; /**< of the scene: what the lens spans */
     double x, y, stride;
+    int32_t top;   /**< rows of the scene above those that are made now */
+    int32_t rows;  /**< how many these are: PARC's buffer has no others */
     int32_t row;   /**< pixels from one row of the image to the next: pixel numbers are Y * row + X */
     bool jitter;   /**< phases differ from ray to ray; same seed, same phases */
     uint64_t seed; /**< of this pass */

@@ -228,7 +228,11 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
     if (!s)
         return vv_fail_memory(sizeof *s);
     s->kernels = vvi_ray_kernels_for(vvi_job_cpu(job));
-    s->eye = (vvi_eye){.lens = scene->lens, .width = scene->width, .height = scene->height, .jitter = jitters(scene)};
+    s->eye = (vvi_eye){.lens = scene->lens,
+                       .width = scene->width,
+                       .height = scene->height,
+                       .rows = scene->rows,
+                       .jitter = jitters(scene)};
     vv_status st = prepare_volumes(s, scene, job);
     if (st == VV_OK)
         st = vvi_ray_meshes_open(&s->meshes, scene, job);

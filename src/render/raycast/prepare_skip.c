@@ -169,6 +169,8 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
         .lens = &scene->lens,
         .width = scene->width,
         .height = scene->height,
+        .top = scene->top,
+        .rows = scene->rows,
         .index_to_world = volume->actor->index_to_world,
         .lo = {f->sampler.lo[0], f->sampler.lo[1], f->sampler.lo[2]},
         .hi = {f->sampler.hi[0], f->sampler.hi[1], f->sampler.hi[2]},

@@ -257,6 +257,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     eye.x = pass->x;
     eye.y = pass->y;
     eye.stride = pass->stride;
+    eye.top = pass->top;
     eye.row = image->width;
     eye.seed = pass->number;
     for (int32_t y = tile->y0; y < tile->y1; y += size)

@@ -257,7 +257,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     for (int32_t y = tile->y0; y < tile->y1; y++) {
         for (int32_t x = tile->x0; x < tile->x1; x++)
             draw_pixel(s, image, (size_t)y * (size_t)image->width + (size_t)x, (double)x * pass->stride + pass->x,
-                       (double)y * pass->stride + pass->y, counts);
+                       (double)y * pass->stride + pass->top + pass->y, counts);
         const vv_status st = vvi_job_poll(job);
         if (st != VV_OK)
             return st;

@@ -105,7 +105,7 @@ static void check_steps(const char *what, const char *preintegrated)
     vv_field *field = test_field_cube(&twisted, 9, 0, 1, NULL);
     test_ray_scene s;
     test_ray_scene_init(&s, field, 0.9);
-    s.scene.width = s.scene.height = SIZE;
+    s.scene.width = s.scene.height = s.scene.rows = SIZE;
     test_ray_scene_opacity(&s, (const double[]){0, 0, 1, 0.9}, 2);
     test_ray_scene_color(&s, (const double[]){0, 0, 0, 0, 1, 1, 1, 1}, 2);
     set(&s, "preintegrated", preintegrated);
@@ -307,7 +307,7 @@ static void find_heights(heights *h, const vv_field *field, bool nearest)
 {
     test_ray_scene s;
     test_ray_scene_init(&s, field, ml_width);
-    s.scene.width = s.scene.height = ML_SIZE;
+    s.scene.width = s.scene.height = s.scene.rows = ML_SIZE;
     s.actor.nearest = nearest;
     test_ray_scene_look(&s, (vv_vec3){0, 0, 3}, (vv_vec3){0, 0, 0}, 0, ml_width);
     set(&s, "mode", "isosurface");
@@ -514,7 +514,7 @@ static void check_cloud(spline *s, const vv_field *field)
     const double step = 1.0 / 1024;
     test_ray_scene scene;
     test_ray_scene_init(&scene, field, ml_width);
-    scene.scene.width = scene.scene.height = SIZE;
+    scene.scene.width = scene.scene.height = scene.scene.rows = SIZE;
     scene.actor.cubic = true;
     test_ray_scene_look(&scene, (vv_vec3){0, 0, 3}, (vv_vec3){0, 0, 0}, 0, ml_width);
     test_ray_scene_opacity(&scene, (const double[]){0, 0, ml_iso, 0, ml_iso, 0.999, 1, 0.999}, 4);

@@ -29,7 +29,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
         vv_job_cancel(cancel_in_renderer);
     for (int32_t y = tile->y0; y < tile->y1; y++) {
         for (int32_t x = tile->x0; x < tile->x1; x++) {
-            const double v = light(x * (double)pass->stride + pass->x, y * (double)pass->stride + pass->y);
+            const double v = light(x * (double)pass->stride + pass->x, y * (double)pass->stride + pass->top + pass->y);
             const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
             assert_true(image->rgba[4 * at + 3] == 0); /* clear before */
             for (size_t c = 0; c < 3; c++)

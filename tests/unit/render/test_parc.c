@@ -88,7 +88,7 @@ static void place_lens(situation *s, int kind, uint64_t seed)
     l->half_width = l->half_height * 1.2;
     s->view.lens = l;
     s->view.width = 61;
-    s->view.height = 50;
+    s->view.height = s->view.rows = 50;
 }
 
 /* Where the ray through (px, py) is inside a box: depths along the lens's axis; false where it misses. */
@@ -182,7 +182,7 @@ static void bounds_are_the_same_for_any_number_of_threads(void **state)
     place_boxes(&s, test_seed());
     place_lens(&s, 1, test_seed());
     s.view.width = 700;
-    s.view.height = 500;
+    s.view.height = s.view.rows = 500;
     vvi_parc one, more;
     assert_int_equal(vvi_parc_init(&one, s.boxes, &s.view, NULL), VV_OK);
     const size_t n = (size_t)one.width * (size_t)one.height;
@@ -278,7 +278,7 @@ static void make_scene(test_ray_scene *s, const vv_field *field, int mode, int v
     static const char *const modes[] = {"composite", "isosurface"};
     test_ray_scene_init(s, field, 10);
     s->scene.width = 45;
-    s->scene.height = 37;
+    s->scene.height = s->scene.rows = 37;
     const vv_bounds b = vv_grid_bounds(&vv_field_get_info(field)->grid);
     const vv_vec3 at = vvi_scaled(vvi_add(b.lo, b.hi), 0.5);
     const double size = vvi_length(vvi_sub(b.hi, b.lo)) + 2;
@@ -363,7 +363,7 @@ static void rays_anywhere_in_their_pixels_have_bounds(void **state)
 {
     (void)state;
     static const vv_pass passes[] = {
-        {0.01, 0.99, 1, 0, 7}, {0.93, 0.02, 1, 1, 8}, {-0.4, 1.4, 1, 2, 9}, {2, 2, 4, 0, 5}};
+        {0.01, 0.99, 1, 0, 0, 7}, {0.93, 0.02, 1, 0, 1, 8}, {-0.4, 1.4, 1, 0, 2, 9}, {2, 2, 4, 0, 0, 5}};
     for (uint64_t round = 0; round < 6; round++) {
         const int64_t dims[3] = {41, 37, 45};
         vv_field *field = make_field(dims, round);

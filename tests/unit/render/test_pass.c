@@ -83,9 +83,9 @@ static void a_shifted_pass_has_the_pixels_of_a_finer_picture(void **state)
         test_ray_scene s;
         vv_field *field;
         make_scene(&s, &field, modes[m]);
-        s.scene.width = s.scene.height = 128;
+        s.scene.width = s.scene.height = s.scene.rows = 128;
         vv_image *fine = picture(&s, &full, 128, 128);
-        s.scene.width = s.scene.height = 64;
+        s.scene.width = s.scene.height = s.scene.rows = 64;
         for (int32_t i = 0; i < 4; i++) {
             const int32_t dx = i % 2, dy = i / 2;
             const vv_pass pass = {.x = 0.25 + 0.5 * dx - 1, .y = 0.25 + 0.5 * dy, .stride = 1};

@@ -3,6 +3,7 @@
 #include "jobs.h"
 #include "model/context.h"
 #include "render/checkpoint.h"
+#include "render/picture.h"
 #include "render/picture_depends.h"
 #include <pthread.h>
 #include <setjmp.h>
@@ -443,6 +444,81 @@ static void a_step_ends_where_it_is_told_to(void **state)
     end(&s);
 }
 
+static void begin_in_parts(setup *s, const manner *way)
+{
+    begin(s, way, 2);
+    set(s, "views.main.decorations.scale_bar", "false");
+}
+
+static void check_part(const vv_image *part, const vv_image *whole, int32_t top, const char *name)
+{
+    const size_t n = (size_t)part->width * (size_t)part->height, at = (size_t)part->width * (size_t)top;
+    if (memcmp(part->rgba, whole->rgba + 4 * at, 4 * n * sizeof(float)) != 0 ||
+        memcmp(part->depth, whole->depth + at, n * sizeof(float)) != 0 ||
+        (part->samples && memcmp(part->samples, whole->samples + at, n * sizeof(uint32_t)) != 0) ||
+        (part->normal && memcmp(part->normal, whole->normal + 3 * at, 3 * n * sizeof(float)) != 0))
+        fail_msg("%s: other bytes in the part from row %d on", name, top);
+}
+
+/* The last one has a few rows only. */
+static void parts_of_a_picture_are_the_whole(void **state)
+{
+    static const int32_t tops[] = {0, 32, 64}, rows[] = {32, 32, HEIGHT - 64};
+    static const manner more[] = {
+        {"slices", false, {{"render.method", "\"slice\""}}},
+        {"solids", false, {{"render.raycast.mode", "\"isosurface\""}, {"render.raycast.iso", "0.5"}}},
+        {"jitter", false, {{"render.raycast.jitter", "true"}, {"render.samples", "5"}, {"camera.zoom", "3"}}},
+    };
+    const manner all[] = {ways[0], ways[3], more[0], more[1], more[2]};
+    (void)state;
+    for (size_t w = 0; w < sizeof all / sizeof *all; w++) {
+        setup s;
+        vv_image *whole, *part;
+        begin_in_parts(&s, &all[w]);
+        assert_int_equal(vv_render(&whole, NULL, (vv_world *)s.world, NULL, NULL, s.job), VV_OK);
+        for (size_t i = 0; i < 3; i++) {
+            vv_picture *picture;
+            assert_int_equal(vvi_picture_new_rows(&picture, (vv_world *)s.world, NULL, tops[i], rows[i], s.job), VV_OK);
+            step(picture, 0, s.job);
+            assert_int_equal(vvi_picture_take(&part, NULL, picture, s.job), VV_OK);
+            assert_int_equal(part->height, rows[i]);
+            check_part(part, whole, tops[i], all[w].name);
+            vv_image_release(part);
+            vv_picture_free(picture);
+        }
+        vv_image_release(whole);
+        end(&s);
+    }
+}
+
+/* What looks at all of it, and rows that are none. */
+static void what_has_no_parts_is_refused(void **state)
+{
+    static const look looks[] = {{"render.noise", "0.01"},
+                                 {"render.budget", "1"},
+                                 {"decorations.scale_bar", "true"},
+                                 {"render.method", "\"surface\""}};
+    (void)state;
+    for (size_t i = 0; i < sizeof looks / sizeof *looks; i++) {
+        setup s;
+        char path[64];
+        begin_in_parts(&s, &ways[0]);
+        snprintf(path, sizeof path, "views.main.%s", looks[i].path);
+        set(&s, path, looks[i].json);
+        assert_int_equal(vv_render_to_file(NULL, "parts.png", (vv_world *)s.world, NULL, NULL, s.job),
+                         VV_E_UNSUPPORTED);
+        assert_int_not_equal(access("parts.png", F_OK), 0);
+        end(&s);
+    }
+    setup s;
+    vv_picture *picture;
+    begin_in_parts(&s, &ways[0]);
+    assert_int_equal(vvi_picture_new_rows(&picture, (vv_world *)s.world, NULL, 16, 8, s.job), VV_E_ARGUMENT);
+    assert_int_equal(vvi_picture_new_rows(&picture, (vv_world *)s.world, NULL, 64, 12, s.job), VV_E_ARGUMENT);
+    assert_int_equal(vv_render_to_file(NULL, "parts.jpg", (vv_world *)s.world, NULL, NULL, s.job), VV_E_UNSUPPORTED);
+    end(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -454,6 +530,8 @@ int main(void)
         cmocka_unit_test(a_checkpoint_is_taken_for_what_its_picture_depends_on_alone),
         cmocka_unit_test(other_samples_make_another_picture),
         cmocka_unit_test(a_step_ends_where_it_is_told_to),
+        cmocka_unit_test(parts_of_a_picture_are_the_whole),
+        cmocka_unit_test(what_has_no_parts_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -56,7 +56,7 @@ static void the_sum_over_all_pixels_is_the_volume_integral(void **state)
     test_ray_scene s;
     const double height = 36, longest = (N - 1) * sqrt(3.0), middle = (N - 1) / 2.0;
     test_ray_scene_init(&s, field, height);
-    s.scene.width = s.scene.height = SIZE;
+    s.scene.width = s.scene.height = s.scene.rows = SIZE;
     test_ray_scene_look(&s, (vv_vec3){middle + 31, middle - 47, middle + 22}, (vv_vec3){middle, middle, middle}, 0,
                         height);
     grey(&s, 0, s.statistics.max);
@@ -93,7 +93,7 @@ static double look_at_profile(double *depth_out, const float *values, int64_t n,
     vv_field *field = profile(values, n);
     test_ray_scene s;
     test_ray_scene_init(&s, field, 4);
-    s.scene.width = s.scene.height = 4;
+    s.scene.width = s.scene.height = s.scene.rows = 4;
     test_ray_scene_look(&s, (vv_vec3){1.5, 1.5, 50}, (vv_vec3){1.5, 1.5, 0}, 0, 2);
     grey(&s, 0, 100);
     set(&s, "mode", mode);
@@ -159,7 +159,7 @@ static void a_negative_scale_turns_extrema_round(void **state)
     memset((char *)data + 32, 50, 16);
     test_ray_scene s;
     test_ray_scene_init(&s, field, 2);
-    s.scene.width = s.scene.height = 4;
+    s.scene.width = s.scene.height = s.scene.rows = 4;
     grey(&s, 0, 100);
     static const struct {
         const char *mode;

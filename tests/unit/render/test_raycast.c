@@ -161,7 +161,7 @@ static void make_ball(test_ray_scene *s, vv_field **field, double kappa, int32_t
     *field = test_field_cube(&ball, 129, -1.1, 1.1, NULL);
     assert_non_null(*field);
     test_ray_scene_init(s, *field, 2);
-    s->scene.width = s->scene.height = size;
+    s->scene.width = s->scene.height = s->scene.rows = size;
     test_ray_scene_opacity(s, (const double[]){-10, 0, 0, 0, 0, opacity_of(kappa), 10, opacity_of(kappa)}, 4);
     set(s, "step", "0.01");
 }
@@ -235,7 +235,8 @@ static void the_maximum_of_one_bright_sample_is_its_value(void **state)
     ((uint8_t *)data)[(3 * 9 + 4) * 11 + 5] = 200;
     test_ray_scene s;
     test_ray_scene_init(&s, field, 8);
-    s.scene.width = s.scene.height = 8; /* pixel centres at half voxels; shift by half a voxel onto the sample */
+    s.scene.width = s.scene.height = s.scene.rows =
+        8; /* pixel centres at half voxels; shift by half a voxel onto the sample */
     test_ray_scene_look(&s, (vv_vec3){5.5, 4.5, 20}, (vv_vec3){5.5, 4.5, 0}, 0, 8);
     test_ray_scene_color(&s, (const double[]){0, 0, 0, 0, 255, 1, 1, 1}, 2);
     set(&s, "mode", "maximum");

@@ -394,7 +394,7 @@ static void look_at_all(together *t, uint64_t seed)
     vv_vec3 away = {test_random_unit(seed, 1) - 0.5, test_random_unit(seed, 2) - 0.5, test_random_unit(seed, 3) - 0.4};
     assert_true(vvi_unit(&away));
     s->scene.width = 23; /* no multiple of a packet or a tile */
-    s->scene.height = 19;
+    s->scene.height = s->scene.rows = 19;
     const vv_vec3 at = {0, 1, 0};
     test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 25)), at, seed % 2 ? 0 : 0.5, 14);
     set(s, "step", "0.37");
@@ -744,7 +744,7 @@ static void compare_skipping(together *t, const char *cpu, uint64_t seed)
     assert_true(vvi_unit(&away));
     test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 150)), at, seed % 2 ? 0 : 0.5, 60);
     test_ray_scene_light(s);
-    s->scene.width = s->scene.height = 32;
+    s->scene.width = s->scene.height = s->scene.rows = 32;
     all_of(t);
     set(s, "skipping", "false");
     set(s, "parc", "false");
@@ -794,7 +794,7 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
     look_at_all(&t, test_seed());
     test_ray_scene *s = all_of(&t);
     s->scene.width = 75;
-    s->scene.height = 61;
+    s->scene.height = s->scene.rows = 61;
     vv_image *single = test_ray_picture(s, NULL, 1);
     for (int threads = 2; threads <= 3; threads++) {
         vv_image *more = test_ray_picture(s, NULL, threads);

@@ -58,7 +58,7 @@ static void random_scene(test_ray_scene *s, const vv_field *field, int mode, uin
 {
     test_ray_scene_init(s, field, 10);
     s->scene.width = 23; /* no multiple of a packet or a tile */
-    s->scene.height = 19;
+    s->scene.height = s->scene.rows = 19;
     const vv_grid *grid = &vv_field_get_info(field)->grid;
     const vv_bounds b = vv_grid_bounds(grid);
     const vv_vec3 at = vvi_scaled(vvi_add(b.lo, b.hi), 0.5);
@@ -163,7 +163,7 @@ static void skipping_changes_no_byte(void **state)
                     v[test_random(seed, i) % (37 * 41 * 29)] = (uint8_t)(100 + test_random(seed, i + 100) % 156);
                 test_ray_scene s;
                 random_scene(&s, field, mode, seed);
-                s.scene.width = s.scene.height = 32;
+                s.scene.width = s.scene.height = s.scene.rows = 32;
                 s.actor.nearest = round % 4 == 3;
                 set(&s, "skipping", "true");
                 vv_image *with = test_ray_picture(&s, *cpu, 1);
@@ -192,7 +192,7 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
         test_ray_scene s;
         random_scene(&s, field, mode, test_seed());
         s.scene.width = 75;
-        s.scene.height = 61;
+        s.scene.height = s.scene.rows = 61;
         vv_image *one = test_ray_picture(&s, NULL, 1);
         for (int threads = 2; threads <= 3; threads++) {
             vv_image *more = test_ray_picture(&s, NULL, threads);

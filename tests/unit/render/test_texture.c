@@ -373,7 +373,7 @@ static void textures_equal_the_reference_in_every_build(void **state)
             test_ray_scene s;
             char what[64];
             test_ray_scene_init(&s, field, 12);
-            s.scene.width = s.scene.height = 40;
+            s.scene.width = s.scene.height = s.scene.rows = 40;
             test_ray_scene_look(&s, vvi_vec(-20, -30, 25), vvi_vec(7, 8, 9), way % 2 ? 0.35 : 0, 13);
             test_ray_scene_light(&s);
             give_texture(&s, kind, kind == VV_TEXTURE_IMAGE ? image : NULL);
