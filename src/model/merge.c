@@ -1,6 +1,7 @@
 /* One World's data shown in another. */
 #include "model/merge.h"
 #include "core/property_impl.h"
+#include "model/contents.h"
 #include "model/context.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +23,7 @@ void vvi_world_number_id(char out[VVI_ID_MOST + 1], const char *id, unsigned n)
         snprintf(out, VVI_ID_MOST + 1, "%.*s_%u", VVI_ID_MOST - 11, id, n);
 }
 
-static void free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
+void vvi_world_free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
 {
     unsigned n = 1;
     do
@@ -70,14 +71,14 @@ static void add_dataset(merging *m, const vv_world *from, size_t index, char dat
 {
     const vv_entry *dataset = &from->datasets->entry[index];
     char id[VVI_ID_MOST + 1];
-    free_id(data, now(m)->datasets, dataset->id);
+    vvi_world_free_id(data, now(m)->datasets, dataset->id);
     put(m, "datasets", data, dataset->object);
     for (size_t i = 0; i < from->volumes->n && m->st == VV_OK; i++) {
         const vv_entry *volume = &from->volumes->entry[i];
         const char *shows = ((const vv_volume *)volume->object)->data;
         if (shows ? vv_collection_find(from->datasets, shows) != dataset->object : from->datasets->n > 1)
             continue;
-        free_id(id, now(m)->volumes, volume->id);
+        vvi_world_free_id(id, now(m)->volumes, volume->id);
         put(m, "volumes", id, volume->object);
         name_data(m, id, data);
     }
@@ -93,7 +94,7 @@ static void rename_reference(merging *m, const vv_world *from, new_id *ids, cons
 /* What is made is made of the same as before, whatever that is called now. */
 static void rename_inputs(merging *m, const vv_world *from, new_id *ids, size_t index)
 {
-    const vv_dataset *d = (const vv_dataset *)from->datasets->entry[index].object;
+    const vv_dataset *d = vvi_dataset_nth(from, index);
     char path[2 * PATH_ROOM];
     const char *name;
     json_t *value, *inputs = vvi_members_tree(&d->base, vv_class_find(&vv_dataset_class, "inputs"));

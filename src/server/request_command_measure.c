@@ -4,8 +4,8 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "measuring/measuring.h"
-#include "measuring/world_data.h"
 #include "model/classes.h"
+#include "run/measured.h"
 #include "server/command.h"
 
 #include <math.h>
@@ -76,8 +76,7 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
     const char *id = vvi_measured_volume_id(r->world, m->volume);
     const vv_dataset *dataset = NULL;
     const vv_volume *volume = id ? vvi_request_volume(r->world, id, &dataset) : NULL;
-    vvi_measured_volume measured = {0};
-    vv_field *field = NULL;
+    vvi_measured_all measured = {0};
     *whole = false;
     if (!id)
         return vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' that could be measured", m->volume ? m->volume : "");
@@ -85,27 +84,24 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         return VV_E_NOT_FOUND;
     if (m->file || m->other || m->mask || m->values || vv_dataset_is_mesh(dataset, job))
         return VV_OK;
-    vv_status st = vv_dataset_field(&field, r->world, dataset, volume->attribute, volume->frame, job);
-    if (st == VV_OK)
-        st = vvi_measured_volume_take(&measured, field, NULL, "", r->world, volume, r->view, job);
-    if (st == VV_OK && is_file(volume, &measured)) {
+    vv_status st = vvi_measured_shown(&measured.input, r->world, id, r->view, job);
+    if (st == VV_OK && is_file(volume, &measured.input.volume)) {
         *whole = true;
-        st = put_line(out, r, volume->data ? volume->data : r->world->datasets->entry[0].id, m, &measured.data, job);
+        st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, &measured.input.volume.data, job);
     }
-    vvi_measured_volume_finish(&measured);
-    vv_field_release(field);
+    vvi_measured_close(&measured);
     return st;
 }
 
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_object *found = vv_collection_find(r->world->measurements, r->name);
+    const vv_measurement *found = r->name ? vvi_measurement_named(r->world, r->name) : NULL;
     vvi_text text = {0};
     bool whole;
     if (!found)
-        return vv_fail(VV_E_NOT_FOUND, "there is no measurement '%.64s'", r->name);
-    vv_status st = put_file(&text, &whole, r, (const vv_measurement *)(const void *)found, job);
+        return vv_fail(VV_E_NOT_FOUND, "there is no measurement '%.64s'", r->name ? r->name : "");
+    vv_status st = put_file(&text, &whole, r, found, job);
     if (st == VV_OK && !whole) {
         vvi_text_add(&text, "volvis measure stored scene.vv.json ");
         vvi_command_quote(&text, r->name);
@@ -119,12 +115,7 @@ static vv_status run(vvi_task *task, vv_job *job)
 
 vv_status vvi_request_command_measure(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *name = json_string_value(json_object_get(message, "measurement"));
     vvi_request *r;
-    vv_status st = vvi_request_new(&r, client, id, "command", run);
-    if (st != VV_OK)
-        return st;
-    if ((st = vvi_request_copy(&r->name, r, name ? name : "")) != VV_OK)
-        return st;
-    return vvi_request_add_quick(r);
+    const vv_status st = vvi_request_new(&r, client, id, "command", run);
+    return st == VV_OK ? vvi_request_add_quick(r, vvi_request_take_text(&r->name, message, "measurement")) : st;
 }

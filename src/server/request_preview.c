@@ -66,7 +66,7 @@ static vv_status put_preview(vvi_result *out, const vvi_preview *p, vv_job *job)
 static vv_status show_input(bool *changed_out, vv_world **world, const vvi_request *r)
 {
     char path[VVI_REQUEST_ID + 32], name[VVI_REQUEST_ID + 32];
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find((*world)->volumes, r->name);
+    const vv_volume *volume = vvi_volume_named(*world, r->name);
     *changed_out = volume && volume->data && strcmp(volume->data, r->dataset) != 0;
     if (!*changed_out)
         return VV_OK;
@@ -122,12 +122,11 @@ static void done(vvi_task *task, vv_status st)
 /* The volume that is named, else the first visible one of these data. */
 static vv_status take_volume(vvi_request *r, const char *name)
 {
-    const vv_collection *all = r->world->volumes;
-    const char *first = r->world->datasets->n ? r->world->datasets->entry[0].id : "";
-    for (size_t i = 0; i < all->n && !name; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)all->entry[i].object;
-        if (volume->visible && strcmp(volume->data ? volume->data : first, r->dataset) == 0)
-            name = all->entry[i].id;
+    for (size_t i = 0; i < r->world->volumes->n && !name; i++) {
+        const vv_volume *volume = vvi_volume_nth(r->world, i);
+        const char *id = vvi_volume_dataset_id(r->world, volume);
+        if (volume->visible && id && strcmp(id, r->dataset) == 0)
+            name = r->world->volumes->entry[i].id;
     }
     if (!name)
         return vv_fail(VV_E_NOT_FOUND, "no visible volume shows '%.64s': show it to see a preview", r->dataset);
@@ -141,22 +140,15 @@ static vv_status size_world(vvi_request *r, const vvi_client *client)
     const vv_registry *registry = vv_runtime_registry(r->session->options.runtime);
     const double pixels = (double)client->width * client->height;
     const double scale = vvi_camera_is_plane(r->world, r->view, registry) ? 1 : fmin(sqrt(PIXELS_MOST / pixels), 1);
-    vv_world *sized = NULL;
-    vv_status st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)fmax(client->width * scale, 1),
-                                    (int32_t)fmax(client->height * scale, 1));
-    if (st == VV_OK)
-        st = vvi_camera_scale(&sized, r->view, scale);
-    vv_object_release(&r->world->base);
-    r->world = sized;
-    return st;
+    const vv_status st =
+        vvi_request_size(r, (int32_t)fmax(client->width * scale, 1), (int32_t)fmax(client->height * scale, 1));
+    return st == VV_OK ? vvi_camera_scale(&r->world, r->view, scale) : st;
 }
 
 static vv_status take_message(vvi_request *r, const json_t *message, const vvi_client *client)
 {
     r->whole = json_is_true(json_object_get(message, "whole"));
-    vv_status st = vvi_request_take_inputs(r, message);
-    if (st == VV_OK)
-        st = vvi_request_take_parameters(r, message);
+    vv_status st = vvi_request_take_operation(r, message);
     if (st == VV_OK)
         st = take_volume(r, json_string_value(json_object_get(message, "volume")));
     return st == VV_OK ? size_world(r, client) : st;
@@ -171,24 +163,13 @@ void vvi_client_drop_preview(vvi_client *client)
 
 vv_status vvi_request_preview(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *operation = json_string_value(json_object_get(message, "operation"));
     vvi_request *r;
     vvi_client_drop_preview(client);
-    if (!operation)
-        return vv_fail(VV_E_ARGUMENT, "'preview' needs an operation and a dataset");
-    const vv_operation *row = vv_registry_operation(vv_runtime_registry(client->session->options.runtime), operation);
-    if (!row)
-        return VV_E_NOT_FOUND;
     vv_status st = vvi_request_new(&r, client, id, "preview", run);
     if (st != VV_OK)
         return st;
-    r->operation = row;
     r->task.done = done;
-    if ((st = take_message(r, message, client)) != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
-    if ((st = vvi_request_add_quick(r)) == VV_OK)
+    if ((st = vvi_request_add_quick(r, take_message(r, message, client))) == VV_OK)
         client->preview = r->task.number;
     return st;
 }
