@@ -201,15 +201,36 @@ static vv_status make_whole(work *w)
 
 /* The picture ------------------------------------------------------------------------------------------------------ */
 
+static bool row_keeps_values(const vvi_made *made, const vv_object *params)
+{
+    vv_carry carry = {0};
+    return made->operation->carry && made->operation->carry(&carry, params) == VV_OK && !carry.new_values;
+}
+
+/* What is made on the way changes what values mean as well as what is looked at. */
+static bool inserted_keeps_values(const work *w)
+{
+    vvi_made made;
+    vv_object *params = NULL;
+    const vv_dataset *dataset =
+        (const vv_dataset *)(const void *)vv_collection_find(w->world->datasets, w->wish->inserted);
+    vv_status st = vvi_made_open(&made, w->world, dataset, w->job);
+    if (st == VV_OK)
+        st = vvi_made_params(&params, &made, w->job);
+    const bool keeps = st == VV_OK && row_keeps_values(&made, params);
+    vv_object_release(params);
+    vvi_made_close(&made);
+    return keeps;
+}
+
 /* Whether values mean what they did: they are seen as they were then. */
 static bool keeps_values(const work *w)
 {
-    vv_carry carry = {0};
-    const vv_operation *o = w->made.operation;
-    if (makes_mesh(w) || !w->actor || !o->carry || o->carry(&carry, w->params) != VV_OK)
+    if (makes_mesh(w) || !w->actor ||
+        !(w->wish->inserted ? inserted_keeps_values(w) : row_keeps_values(&w->made, w->params)))
         return false;
-    return !carry.new_values && w->out->info.components == vv_field_get_info(w->actor->field)->components &&
-           w->out->info.meaning == vv_field_get_info(w->actor->field)->meaning;
+    const vv_field_info *now = vv_field_get_info(w->actor->field);
+    return w->out->info.components == now->components && w->out->info.meaning == now->meaning;
 }
 
 static vv_status put_data(work *w, vv_object **root)
@@ -324,19 +345,28 @@ static vv_status draw(work *w)
 }
 
 /* From a part of what is seen, which is in memory. */
-static vv_status tell_time(work *w)
+vv_status vvi_preview_seconds(double *out, const vv_world *world, const char *made, int64_t frame, vv_job *job)
 {
     vvi_made_run run;
-    if (makes_mesh(w) || !w->actor)
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(world->datasets, made);
+    *out = NAN;
+    if (vv_dataset_is_mesh(dataset, job))
         return VV_OK;
-    vv_status st = vvi_made_run_open(&run, w->world, w->made.dataset, w->frame, w->job);
+    vv_status st = vvi_made_run_open(&run, world, dataset, frame, job);
     if (st == VV_OK) {
         const vvi_run_plan plan = vvi_made_run_plan(&run, NULL);
-        w->out->seconds = vvi_run_seconds(&plan, w->job);
-        st = vvi_job_poll(w->job);
+        *out = vvi_run_seconds(&plan, job);
+        st = vvi_job_poll(job);
     }
     vvi_made_run_close(&run);
-    return vvi_made_fail(&w->made, NULL, st);
+    return st;
+}
+
+static vv_status tell_time(const work *w)
+{
+    if (!w->actor)
+        return VV_OK;
+    return vvi_made_fail(&w->made, NULL, vvi_preview_seconds(&w->out->seconds, w->world, w->id, w->frame, w->job));
 }
 
 static vv_status make(work *w)
@@ -348,8 +378,11 @@ static vv_status make(work *w)
     if (st != VV_OK)
         return st;
     w->out->whole = !w->actor || !vvi_made_is_local(&w->made, w->params, w->out->info.n_frames);
-    if (w->out->whole && parts > w->wish->whole_most && !w->wish->whole)
-        return tell_time(w);
+    if (w->out->whole && parts > w->wish->whole_most && !w->wish->whole) {
+        st = tell_time(w);
+        if (st != VV_OK || !(w->out->seconds <= w->wish->part_s))
+            return st;
+    }
     st = w->out->whole ? make_whole(w) : make_box(w);
     return st == VV_OK ? draw(w) : st;
 }

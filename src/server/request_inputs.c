@@ -170,11 +170,13 @@ static size_t put_label(vvi_text *out, const char *text, const vv_class *cls)
     return 0;
 }
 
-/* Options of the command line are controls of the page. */
+/* Options of the command line are controls of the page, but in `commands`. */
 static void put_sentence(vvi_text *out, const char *text, const vv_class *cls)
 {
+    bool quoted = false;
     while (*text) {
-        const size_t n = strncmp(text, "--", 2) == 0 ? put_label(out, text, cls) : 0;
+        quoted ^= *text == '`';
+        const size_t n = !quoted && strncmp(text, "--", 2) == 0 ? put_label(out, text, cls) : 0;
         if (!n)
             vvi_text_printf(out, "%c", *text);
         text += n ? n : 1;

@@ -11,6 +11,17 @@ static size_t cost(const vvi_line *line)
     return line->kind == VVI_LINE_KEPT ? sizeof *line + line->n : 0;
 }
 
+/* One answer, such as a picture, is as long as it is: it ends nobody whose next one is ready before it has left. */
+static size_t beside_the_longest(const vvi_text_queue *lines)
+{
+    size_t all = 0, longest = 0;
+    for (const vvi_line *line = lines->first; line; line = line->next) {
+        all += cost(line);
+        longest = cost(line) > longest ? cost(line) : longest;
+    }
+    return all - longest;
+}
+
 static bool is_urgent(const vvi_line *line)
 {
     return line->kind <= VVI_LINE_ENDED;
@@ -27,7 +38,6 @@ static char *take_at(size_t *n_out, vvi_text_queue *lines, vvi_line **at)
     vvi_line *line = *at;
     char *text = line->text;
     *n_out = line->n;
-    lines->n_bytes -= cost(line);
     *at = line->next;
     free(line);
     return text;
@@ -60,13 +70,12 @@ bool vvi_text_queue_put(vvi_text_queue *lines, vvi_line_kind kind, char *text)
     size_t n;
     if (at)
         free(take_at(&n, lines, at));
-    if (!line || (kind == VVI_LINE_KEPT && lines->n_bytes > VVI_LINES_MOST))
+    if (!line || (kind == VVI_LINE_KEPT && beside_the_longest(lines) > VVI_LINES_MOST))
         return fail(line, text);
     *line = (vvi_line){.kind = kind, .text = text, .n = strlen(text)};
     for (at = &lines->first; *at; at = &(*at)->next)
         ;
     *at = line;
-    lines->n_bytes += cost(line);
     return true;
 }
 

@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** A text may be longer than the first; but where so many bytes of those that are kept wait, no more are taken: a page
- * ends of what it asks for itself, and never of what others do. */
+/** A text may be longer than the first; but where so many bytes of those that are kept wait beside the longest of them,
+ * no more are taken: a page ends of what it asks for itself, and never of what others do. */
 enum { VVI_LINES_MOST = 256 << 10, VVI_LINES_NOTICES = 16 };
 
 typedef enum vvi_line_kind {
@@ -31,10 +31,10 @@ typedef struct vvi_line {
 /** Zeros: none. */
 typedef struct vvi_text_queue {
     vvi_line *first;
-    size_t n_bytes; /**< of those that are kept */
 } vvi_text_queue;
 
-/** Takes the text, always. False: NULL was given, there is no memory, or it is to be kept and VVI_LINES_MOST wait. */
+/** Takes the text, always. False: NULL was given, there is no memory, or it is to be kept and VVI_LINES_MOST wait
+ * beside the longest. */
 bool vvi_text_queue_put(vvi_text_queue *lines, vvi_line_kind kind, char *text);
 /** The one to send next, free() it; NULL: none. urgent: those that nothing newer will replace alone. */
 char *vvi_text_queue_take(size_t *n_out, vvi_text_queue *lines, bool urgent);

@@ -92,23 +92,25 @@ def test_values_at_the_cross_hair_are_those_of_the_file_that_the_operation_write
     on_slices(work)
 
 
-def test_what_needs_the_whole_says_so_unless_the_volume_is_small():
+def test_what_needs_the_whole_says_so_unless_that_is_quick():
     async def work(page):
+        await page.resting()  # from there the page looks
         small = await page.ask("preview", operation="equalize", dataset="a", parameters={})
         assert small["picture"]
         lit = await page.ask("preview", operation="components", dataset="a", parameters={})
         assert lit["whole"] and lit["full"] and lit["picture"], lit
         assert (picture(lit) == await apply(page, "components", {})).all()
     on_slices(work)
-    write(np.zeros((80, 80, 80), "u1"))
+    write(np.random.default_rng(3).integers(0, 200, (80, 80, 80)).astype("u1"))
     with Server("a.nrrd") as server:
         async def large():
-            async with Page(server, 200, 150, plane="axial") as page:
-                told = await page.ask("preview", operation="components", dataset="a", parameters={})
-                assert told["whole"] and not told["full"] and "picture" not in told, told
-                assert 0 < told["seconds"] < 600, told
-                assert told["bytes"] >= 2 * 80 ** 3, told
-                assert "picture" in await page.ask("preview", operation="components", dataset="a", whole=True)
+            async with Page(server, 200, 150) as page:
+                told = await page.ask("preview", operation="isosurface", dataset="a", parameters={"iso": 195})
+                assert told["whole"] and not told["full"] and "picture" not in told and "seconds" not in told, told
+                assert told["bytes"] >= 80 ** 3, told
+                assert "picture" in await page.ask("preview", operation="isosurface", dataset="a", parameters={"iso": 195}, whole=True)
+                quick = await page.ask("preview", operation="fill-holes", dataset="a", parameters={})
+                assert quick["whole"] and ("picture" in quick) == quick["full"] == (quick["seconds"] <= 2), quick
         run(large())
 
 
@@ -129,7 +131,7 @@ def test_a_preview_is_seen_in_three_dimensions_and_leaves_no_trace():
         run(work())
 
 
-def test_a_step_between_others_is_compared_with_what_it_is_made_of():
+def test_a_step_between_others_is_compared_with_what_it_is_made_of_and_its_end_with_what_was_there():
     async def work(page):
         of_input = decoded((await page.resting()).data)
         await told(page, "edit", edits=[
@@ -139,10 +141,38 @@ def test_a_step_between_others_is_compared_with_what_it_is_made_of():
         preview = await page.ask("preview", operation="unsharp", dataset="a", parameters={"amount": 2}, volume="a")
         assert (labels != of_input).any() and (picture(preview, "input") == of_input).all()
         assert preview["before"] == float(noisy()[7, 10, 13]) and preview["after"] != preview["before"], preview
+        takers = {"takers": ["datasets.body.inputs.volume"], "volume": "a"}
+        end = await page.ask("preview", operation="gaussian", dataset="a", parameters={"sigma": "2vox"}, **takers)
+        assert end["end"] and "input" not in end and end["before"] == 1, end
+        await told(page, "edit", edits=[
+            {"op": "add", "path": "datasets", "id": "soft", "value": {"operation": "gaussian", "inputs": {"volume": "a"}, "parameters": {"sigma": "2vox"}}},
+            {"op": "set", "path": "datasets.body.inputs.volume", "value": "soft"}])
+        applied = decoded((await page.resting()).data)
+        assert (applied != labels).any() and (picture(end) == applied).all()
+        await told(page, "undo")
+        refused = await page.refused("preview", operation="unsharp", dataset="a", parameters={}, takers=["volumes.a.frame"], volume="a")
+        assert "volumes.a.frame" in refused, refused
         alone = await page.ask("preview", operation="erode", dataset="body", parameters={}, volume="a")
         assert "input" not in alone and alone["before"] == 1, alone
         await told(page, "undo")
     on_slices(work)
+
+
+def test_a_step_whose_time_nobody_knows_is_seen_by_itself_unless_all_is_asked_for():
+    write(noisy())
+    with Server("a.nrrd") as server:
+        async def work():
+            async with Page(server, 200, 150) as page:
+                await told(page, "edit", edits=[
+                    {"op": "add", "path": "datasets", "id": "skin", "value": {"operation": "isosurface", "inputs": {"volume": "a"}, "parameters": {"iso": 500}}},
+                    {"op": "add", "path": "datasets", "id": "low", "value": {"operation": "simplify", "inputs": {"mesh": "skin"}, "parameters": {"share": 0.1}}},
+                    {"op": "set", "path": "volumes.a.data", "value": "low"}])
+                await page.resting()
+                shown = [await page.ask("preview", operation="smooth", dataset="skin", parameters={}, volume="a", takers=["datasets.low.inputs.mesh"], whole=whole)
+                         for whole in (False, True)]
+                assert [one["end"] for one in shown] == [False, True] and "input" in shown[0] and "input" not in shown[1]
+                assert (picture(shown[0]) != picture(shown[1])).any()
+        run(work())
 
 
 def test_the_newest_preview_counts():

@@ -77,6 +77,9 @@ test("sentences of operations are about the fields of the panel", () => {
   const rows = [{ name: "method" }, { name: "min_size" }] as Property[];
   assert.equal(inPanel("threshold: range is needed; or --method otsu, --min-size, --other", operation, rows), "Range is needed; or Method otsu, Min size, --other.");
   assert.equal(inPanel('parameters.min_size: expected a length, found "x"', operation, rows), 'Min size: expected a length, found "x".');
+  const all = [operation, { ...operation, name: "distance" }];
+  assert.equal(inPanel("no basins; a `volvis distance --side inside` has, `volvis convert --type u8` keeps", operation, rows, all), "No basins; a Distance (Side inside) has, `volvis convert --type u8` keeps.");
+  assert.equal(inPanel("see 'volvis distance', or `distance`", operation, rows, all), "See Distance, or Distance.");
   assert.equal(inPanel("on the grid of another volume (onto=FILE)", operation, []), "On the grid of another volume.");
 });
 

@@ -31,7 +31,6 @@ static void expect_none(vvi_text_queue *lines)
     size_t n;
     assert_false(vvi_text_queue_any(lines, false));
     assert_null(vvi_text_queue_take(&n, lines, false));
-    assert_int_equal(lines->n_bytes, 0);
 }
 
 static void answers_come_in_turn(void **state)
@@ -96,30 +95,30 @@ static void of_notices_the_newest_are_kept(void **state)
     expect_none(&lines);
 }
 
-static void where_much_waits_nothing_more_is_taken(void **state)
-{
-    (void)state;
-    vvi_text_queue lines = {0};
-    char *large = vvi_calloc(1, 1 << 20);
-    memset(large, 'x', (1 << 20) - 1);
-    assert_true(vvi_text_queue_put(&lines, VVI_LINE_KEPT, large)); /* an answer may be long */
-    assert_false(put(&lines, VVI_LINE_KEPT, "a"));
-    vvi_text_queue_clear(&lines);
-    expect_none(&lines);
-    size_t n = 0;
-    while (put(&lines, VVI_LINE_KEPT, ""))
-        n++;
-    assert_true(n > 1000 && n * sizeof(vvi_line) <= VVI_LINES_MOST + sizeof(vvi_line)); /* empty ones cost too */
-    assert_false(vvi_text_queue_put(&lines, VVI_LINE_KEPT, NULL));
-    vvi_text_queue_clear(&lines);
-    expect_none(&lines);
-}
-
 static char *text_of(size_t n)
 {
     char *text = vvi_calloc(1, n + 1);
     assert_non_null(text);
     return memset(text, 'x', n);
+}
+
+static void where_much_waits_nothing_more_is_taken(void **state)
+{
+    (void)state;
+    vvi_text_queue lines = {0};
+    assert_true(vvi_text_queue_put(&lines, VVI_LINE_KEPT, text_of(1 << 20))); /* an answer may be long */
+    assert_true(put(&lines, VVI_LINE_KEPT, "a"));                             /* and others ready before it has left */
+    assert_true(vvi_text_queue_put(&lines, VVI_LINE_KEPT, text_of(1 << 20)));
+    assert_false(put(&lines, VVI_LINE_KEPT, "b"));
+    vvi_text_queue_clear(&lines);
+    expect_none(&lines);
+    size_t n = 0;
+    while (put(&lines, VVI_LINE_KEPT, ""))
+        n++;
+    assert_true(n > 1000 && n * sizeof(vvi_line) <= VVI_LINES_MOST + 2 * sizeof(vvi_line)); /* empty ones cost too */
+    assert_false(vvi_text_queue_put(&lines, VVI_LINE_KEPT, NULL));
+    vvi_text_queue_clear(&lines);
+    expect_none(&lines);
 }
 
 /* Worlds of others, ends of their jobs, what is told of them: none of it ends who reads. */

@@ -117,13 +117,17 @@ export function removeStep(tables: Tables, chain: Chain, id: string): Edit[] | s
   return typeof edits === "string" ? edits : [...edits, { op: "remove", path: `datasets.${id}` }];
 }
 
+/** What stands on a step, and would stand on another behind it. */
+export function takersOf(tables: Tables, after: string): string[] {
+  return refersTo(tables, after).filter((path) => path.startsWith("datasets.") || path.startsWith("volumes."));
+}
+
 /** A step behind another one, or (null) behind the source; what stood on that stands on the new one. */
 export function insertStep(tables: Tables, after: string, id: string, recipe: JsonObject): Edit[] | string {
   const inputs = isObject(recipe["inputs"]) ? recipe["inputs"] : {};
   const others = Object.values(inputs);
   const next = { ...tables, world: { ...tables.world, datasets: { ...(tables.world["datasets"] as JsonObject), [id]: recipe } } };
-  const paths = refersTo(tables, after);
-  const taken = paths.filter((path) => path.startsWith("datasets.") || path.startsWith("volumes."));
+  const taken = takersOf(tables, after);
   if (taken.some((path) => others.some((other) => path.startsWith(`datasets.${String(other)}.`) && other !== after)))
     return "One of its other inputs stands on this step: that would be a ring.";
   const edits = hand(next, taken, id);

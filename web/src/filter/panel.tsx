@@ -8,7 +8,7 @@ import { ask, edit, fetchHistogram, fetchInfo, tryAsk } from "../session";
 import * as store from "../store";
 import { IconButton, Select, Switch } from "../ui/controls";
 import { formatBytes, formatNumber, formatSeconds, freeName, label, sentence, titleOf, valueAt } from "../values";
-import { chainOf, insertStep } from "./chain";
+import { chainOf, insertStep, takersOf } from "./chain";
 import { startOf } from "./start";
 import { change, hindrance, isComplete, LETTERS, freshStep, plan, previewOn, previews, recipe, request, setParameter, tables, waiting, type Plan, type Preview } from "./state";
 import { inPanel } from "./words";
@@ -76,6 +76,11 @@ function extent(shown: Preview[]): string {
   return shown.length > 1 ? "The parts that the slices show." : `What is seen: ${times(one.n ?? [])} of ${times(one.dims ?? [])} samples.`;
 }
 
+/** "about 5 s and 4.3 MiB of memory"; of a mesh nobody knows how large it will be. */
+function costs(of: Plan, { seconds, bytes }: Preview): string {
+  return `${seconds == null ? "" : `about ${formatSeconds(seconds)} and `}${of.operation.gives === "mesh" ? "at least " : ""}${formatBytes(bytes)} of memory`;
+}
+
 function PreviewState({ of }: { of: Plan }) {
   const all = Object.values(previews.value);
   const shown = all.filter((value): value is Preview => typeof value !== "string");
@@ -83,6 +88,7 @@ function PreviewState({ of }: { of: Plan }) {
   const pictures = shown.filter((preview) => preview.picture);
   const value = pictures.find((preview) => preview.after !== undefined);
   const large = shown.find((preview) => preview.whole && !preview.picture);
+  const alone = pictures.find((preview) => preview.end === false);
   const flawed = refusal !== undefined && pictures.length === 0;
   return (
     <section class="preview-state" aria-label="Preview" aria-busy={waiting.value > 0}>
@@ -93,10 +99,17 @@ function PreviewState({ of }: { of: Plan }) {
       {flawed ? <p class="row-error" role="alert">{inPanel(refusal, of.operation, store.classes.value[of.operation.class]?.properties ?? [])}</p> : null}
       {large ? (
         <p class="preview-note">
-          {label(of.operation.name)} looks at all samples at once: about {formatBytes(large.bytes)}{large.seconds == null ? null : ` and ${formatSeconds(large.seconds)}`}.{" "}
+          {label(of.operation.name)} works on all samples at once. That takes {costs(of, large)}.{" "}
           <button type="button" class="button button-small" onClick={() => change({ whole: true })}>Preview the whole</button>
         </p>
       ) : null}
+      {alone ? (
+        <p class="preview-note">
+          This step by itself: with what follows, the preview takes {alone.seconds == null ? "longer" : `about ${formatSeconds(alone.seconds)}`}.{" "}
+          <button type="button" class="button button-small" onClick={() => change({ whole: true })}>Preview the end</button>
+        </p>
+      ) : null}
+      {pictures.some((preview) => preview.end) ? <p class="preview-note">The end of the pipeline, with this step in it.</p> : null}
       {pictures.length ? <p class="preview-note">{extent(pictures)}</p> : null}
       {value ? (
         <dl class="preview-values">
@@ -113,7 +126,7 @@ function PreviewState({ of }: { of: Plan }) {
 async function apply(of: Plan): Promise<string> {
   if (!of.inserts) {
     const { dataset, note } = await ask<{ dataset: string; note?: string }>({ type: "run", ...request(of) });
-    if (note) store.notify("info", note);
+    if (note) store.notify("info", `${label(of.operation.name)}: ${note}`);
     await told(dataset);
     return dataset;
   }
@@ -208,7 +221,7 @@ export function FilterPanel() {
       </div>
       <footer class="filter-foot">
         {error ? <p class="row-error" role="alert">{words(error)}</p> : null}
-        {of.inserts ? <p class="hint">Goes behind {of.dataset}, before what stands on it. The preview shows this step alone.</p> : null}
+        {of.inserts && takersOf(tables(), of.dataset).some((path) => path.startsWith("datasets.")) ? <p class="hint">Goes behind {of.dataset}, before what stands on it.</p> : null}
         <div class="filter-buttons">
           <button type="button" class="button" disabled={!isComplete(of)} onClick={copy}>Copy command</button>
           <span class="grow" />

@@ -4,7 +4,19 @@ import type { TargetedPointerEvent } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import * as store from "../store";
 import { label } from "../values";
-import { asked, previewOn, previews, request, waiting, wipe, type Plan, type Preview } from "./state";
+import { chainOf, takersOf } from "./chain";
+import { asked, previewOn, previews, request, tables, waiting, wipe, type Plan, type Preview } from "./state";
+
+/** Of a step between others: what stands on it then, and the volume that shows what is made of it. */
+function insertion(of: Plan): { takers?: string[]; volume?: string } {
+  if (!of.inserts) return {};
+  const shows = (volume: string) => {
+    const { source, steps } = chainOf(tables(), store.datasetOf(volume) ?? "");
+    return source === of.dataset || steps.some((step) => step.id === of.dataset);
+  };
+  const volume = [store.currentVolume.value ?? "", ...store.volumeIds.value].find((id) => id !== "" && shows(id));
+  return { takers: takersOf(tables(), of.dataset), ...(volume ? { volume } : {}) };
+}
 
 type Ask = (message: { type: string; [name: string]: unknown }) => Promise<Preview>;
 
@@ -31,7 +43,7 @@ function usePreview(viewport: string, ask: Ask, of: Plan | null, at: string, sti
       setShown(typeof value !== "string" && value.picture ? { preview: value, at } : null);
     };
     waiting.value++;
-    void ask({ type: "preview", ...request(of), whole: of.whole, ...(of.inserts && store.currentVolume.value ? { volume: store.currentVolume.value } : {}) }).then(take, (error: Error) => take(error.message)).finally(() => { waiting.value--; });
+    void ask({ type: "preview", ...request(of), whole: of.whole, ...insertion(of) }).then(take, (error: Error) => take(error.message)).finally(() => { waiting.value--; });
     return () => { isNewest = false; };
   }, [of, at, still]);
   useEffect(() => () => keep(viewport, null), []);
@@ -69,7 +81,10 @@ function Divider() {
 }
 
 /** Slices do not show it. */
-const makesMesh = (of: Plan | null): boolean => of?.operation.gives === "mesh";
+function makesMesh(of: Plan | null): boolean {
+  const { volume } = of ? insertion(of) : {};
+  return volume ? store.isMeshData(store.datasetOf(volume) ?? "") : of?.operation.gives === "mesh";
+}
 
 /** at: changes with everything that the view shows; still: nothing of it is on its way. */
 export function PreviewOverlay({ viewport, ask, frame, still }: { viewport: string; ask: Ask; frame: number; still: boolean }) {

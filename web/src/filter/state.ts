@@ -36,6 +36,8 @@ export interface Preview {
   window?: number[];
   before?: number;
   after?: number;
+  /** Of a step between others: what is made of it is what is seen, or it is seen by itself. */
+  end?: boolean;
 }
 
 export const tables = (): Tables => ({ world: store.world.value, operations: store.welcome.value?.operations ?? [], classes: store.classes.value });
