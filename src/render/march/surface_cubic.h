@@ -7,7 +7,7 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_CUBIC_H
 #define VVI_RENDER_MARCH_SURFACE_CUBIC_H
-#include "render/march/blend_cubic.h"
+#include "render/march/cubic_simd.h"
 #include "render/march/surface.h"
 
 /* Halvings of half a cell: to the last bit of the place in it. */

@@ -2,10 +2,10 @@
  * Colours of a sample from a lattice of their own: those of an RGB or RGBA volume, or another volume's values through a
  * colour map. For kernels only.
  */
-#ifndef VVI_RENDER_MARCH_BLEND_PAINT_H
-#define VVI_RENDER_MARCH_BLEND_PAINT_H
-#include "render/march/blend_kernel.h"
-#include "render/march/blend_value.h"
+#ifndef VVI_RENDER_MARCH_PAINT_SIMD_H
+#define VVI_RENDER_MARCH_PAINT_SIMD_H
+#include "render/march/kernels.h"
+#include "render/march/value_simd.h"
 
 /** Premultiplied red, green, blue and alpha of one sample, 0 to 65535. */
 VV_INLINE void load_colors(vf out[4], const vvi_lattice *g, vi at, vm m)

@@ -4,8 +4,8 @@
  * The coefficients were made so that the spline goes through the samples (cubic_spline.h). Past the border they are
  * mirrored about the last sample.
  */
-#ifndef VVI_RENDER_MARCH_BLEND_CUBIC_H
-#define VVI_RENDER_MARCH_BLEND_CUBIC_H
+#ifndef VVI_RENDER_MARCH_CUBIC_SIMD_H
+#define VVI_RENDER_MARCH_CUBIC_SIMD_H
 #include "render/march/lattice_simd.h"
 
 /** Weights of the four coefficients around a place, and their derivatives. */
