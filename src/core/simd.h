@@ -93,6 +93,7 @@ VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
     uint32_t at[16];
     __m512 z[4];
     _mm512_storeu_si512(at, _mm512_slli_epi32(I512(row), 2));
+    __asm__("" : "+m"(at)); /* else compilers take lanes out of vectors, where one port does all of it */
     VV_UNROLL
     for (int i = 0; i < 4; i++) {
         z[i] = _mm512_castps128_ps512(_mm_loadu_ps(base + at[i]));
@@ -202,6 +203,7 @@ VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
     uint32_t at[8];
     __m256 z[4];
     _mm256_storeu_si256((__m256i *)(void *)at, _mm256_slli_epi32(I256(row), 2));
+    __asm__("" : "+m"(at)); /* else compilers take lanes out of vectors, where one port does all of it */
     VV_UNROLL
     for (int i = 0; i < 4; i++)
         z[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[i])), _mm_loadu_ps(base + at[i + 4]), 1);

@@ -17,57 +17,71 @@ typedef enum composite_how {
     HOW_ANY    /* any number of volumes, each classified in its own way */
 } composite_how;
 
-/** One sample of every lane in m of a single volume, k steps from entry; share: how much of a full step it stands for
- * (1 for all but the last). */
-VV_INLINE void composite_sample(composite_state *s, composite_how how, int sampler, color_fn *color, vf k, bool partial,
-                                vf share, vm m)
+/** One sample of each lane of a single volume, and what its table says of it. */
+typedef struct table_sample {
+    vf k, place, alpha; /* k steps from entry */
+    vi entry;
+    vf row[4];
+    vm m; /* lanes that have one */
+} table_sample;
+
+VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_how how, int sampler, vf k, vm m)
 {
-    march_part *p = s->part;
     const vvi_march_volume *f = p->f;
     const vf value = part_value(f, sampler, packet_point(&p->r, k), m);
     if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_WIDE)
         m = vm_and(m, is_number(value));
-    const vf place = entry_place(f, value);
-    vi entry = vi_trunc(place);
-    vf row[4], alpha;
+    out->k = k;
+    out->m = m;
+    out->place = entry_place(f, value);
+    out->entry = vi_trunc(out->place);
     if (how == HOW_TABLE) {
-        vf_rows4(row, f->classifier.seen, entry);
-        alpha = vf_select(m, row[3], vf_set1(0.0f));
+        vf_rows4(out->row, f->classifier.seen, out->entry);
+        out->alpha = out->row[3];
     } else {
-        alpha = vf_gather4(f->classifier.alpha, entry, m);
+        out->alpha = vf_gather4(f->classifier.alpha, out->entry, m);
     }
-    vm seen = vf_lt(vf_set1(0.0f), alpha);
+}
+
+/** What lanes of m see of it; share: how much of a full step it stands for (1 for all but the last). */
+VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color, table_sample *t, bool partial,
+                          vf share, vm m)
+{
+    march_part *p = s->part;
+    const vvi_march_volume *f = p->f;
+    const vf zero = vf_set1(0.0f);
+    m = vm_and(m, t->m);
+    vf alpha = vf_select(m, t->alpha, zero);
+    vm seen = vf_lt(zero, alpha);
     s->samples += (uint64_t)vm_count(m);
     if (!vm_any(seen))
         return;
     const vm split = vf_lt(vf_set1(1.0f), alpha);
     if (vm_any(split)) {
-        entry = split_entry(f, place, entry, alpha, split);
-        if (how == HOW_TABLE) {
-            vf_rows4(row, f->classifier.seen, entry);
-            alpha = vf_select(seen, row[3], vf_set1(0.0f));
-        } else {
-            alpha = vf_gather4(f->classifier.alpha, entry, seen);
-        }
-        seen = vf_lt(vf_set1(0.0f), alpha);
+        t->entry = split_entry(f, t->place, t->entry, alpha, split);
+        if (how == HOW_TABLE)
+            vf_rows4(t->row, f->classifier.seen, t->entry);
+        alpha = vf_gather4(f->classifier.alpha, t->entry, seen);
+        seen = vf_lt(zero, alpha);
         if (!vm_any(seen))
             return;
     }
     if (partial) { /* from the optical depth: the table's alpha is rounded too near 1 to be scaled */
-        const vf depth = vf_gather4(f->classifier.color + 3, vi_shl(entry, 2), seen) * share;
-        alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(vf_set1(0.0f) - depth), vf_set1(0.0f));
+        const vf depth = vf_gather4(f->classifier.color + 3, vi_shl(t->entry, 2), seen) * share;
+        alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(zero - depth), zero);
     }
     const vf weight = alpha * s->transmittance;
-    if (how == HOW_TABLE)
+    if (how == HOW_TABLE) {
         for (int c = 0; c < 3; c++)
-            s->rgb[c] = vf_fma(weight, row[c], s->rgb[c]);
-    else
-        queue_push(&p->queue, k, entry, weight, seen);
-    if (how != HOW_TABLE && p->queue.n >= QUEUE_FULL)
-        color(&p->queue, p);
+            s->rgb[c] = vf_fma(weight, t->row[c], s->rgb[c]);
+    } else {
+        queue_push(&p->queue, t->k, t->entry, weight, seen);
+        if (p->queue.n >= QUEUE_FULL)
+            color(&p->queue, p);
+    }
     s->transmittance = s->transmittance - weight;
-    const vm halved = vm_and(vf_lt(s->depth, vf_set1(0.0f)), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, m), k, s->depth);
+    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
+    s->depth = vf_select(vm_and(halved, m), t->k, s->depth);
 }
 
 /** Which lanes of `run` are in blocks that show nothing, and when blocks are to be looked at again. */
@@ -87,12 +101,31 @@ VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf midd
     return empty;
 }
 
+/* Two samples at once, so that one is on its way from memory while the other is worked on: a step is longer than what a
+ * processor looks ahead. With few lanes there is less to wait for. */
+enum { PAIRS = VV_WIDTH > 4 };
+
+/** Lanes of run, unless many of them have left the blocks that they looked at. */
+VV_INLINE vm still_here(vm run, vf k, vf next)
+{
+    const vm left = vm_and(run, vf_le(next, k));
+    return vm_count(left) * 4 <= vm_count(run) ? run : vm_none();
+}
+
+/** To the next step; whether there is one before blocks have to be looked at. */
+VV_INLINE bool composite_advance(const composite_state *s, vf *k, vm *run, vf limit, vf next)
+{
+    *k = vf_select(*run, *k + vf_set1(1.0f), *k);
+    *run = vm_and(*run, vm_and(vf_lt(*k, limit), vf_lt(vf_set1(s->opaque), s->transmittance)));
+    return vm_any(still_here(*run, *k, next));
+}
+
 /** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step, which is `share` of one long.
  */
 VV_INLINE void composite_march(composite_state *s, composite_how how, int sampler, color_fn *color, vf k, vf limit,
                                vf middle, bool partial, vf share, vm run)
 {
-    const vf one = vf_set1(1.0f), opaque = vf_set1(s->opaque);
+    const vf one = vf_set1(1.0f);
     while (vm_any(run)) {
         vf next;
         const vm empty = composite_look(s, how, k, middle, run, &next);
@@ -101,16 +134,26 @@ VV_INLINE void composite_march(composite_state *s, composite_how how, int sample
             run = vm_and(run, vf_lt(k, limit));
             continue;
         }
-        vm left;
+        bool here;
         do { /* every running lane is in a block that may show something, or soon was */
-            if (how == HOW_ANY)
+            if (how == HOW_ANY) {
                 blend_step(s, k, run);
-            else
-                composite_sample(s, how, sampler, color, k + middle, partial, share, run);
-            k = vf_select(run, k + one, k);
-            run = vm_and(run, vm_and(vf_lt(k, limit), vf_lt(opaque, s->transmittance)));
-            left = vm_and(run, vf_le(next, k));
-        } while (vm_any(run) && vm_count(left) * 4 <= vm_count(run));
+                here = composite_advance(s, &k, &run, limit, next);
+                continue;
+            }
+            table_sample now, then = {0};
+            fetch_sample(&now, s->part, how, sampler, k + middle, run);
+            const vm both = PAIRS ? still_here(vm_and(run, vf_lt(k + one, limit)), k + one, next) : vm_none();
+            const bool pair = vm_any(both);
+            if (pair)
+                fetch_sample(&then, s->part, how, sampler, k + one + middle, both);
+            add_sample(s, how, color, &now, partial, share, run);
+            here = composite_advance(s, &k, &run, limit, next);
+            if (pair && here) {
+                add_sample(s, how, color, &then, partial, share, run);
+                here = composite_advance(s, &k, &run, limit, next);
+            }
+        } while (here);
     }
 }
 
