@@ -86,14 +86,13 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m) /* base[index] */
 {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m, I512(index), base, 4);
 }
-/* Rows of four numbers at base + 4 * row, turned into four vectors; every lane's row is read. Half the time of four
- * gathers, and a fifth of it where gathers are slow. */
-VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
+/* Four numbers at base + index of each lane, turned into four vectors; every lane's are read. Half the work of four
+ * gathers, and less where gathers are slow. */
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
 {
     uint32_t at[16];
     __m512 z[4];
-    _mm512_storeu_si512(at, _mm512_slli_epi32(I512(row), 2));
-    __asm__("" : "+m"(at)); /* else compilers take lanes out of vectors, where one port does all of it */
+    _mm512_storeu_si512(at, I512(index));
     VV_UNROLL
     for (int i = 0; i < 4; i++) {
         z[i] = _mm512_castps128_ps512(_mm_loadu_ps(base + at[i]));
@@ -198,12 +197,11 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, I256(index), (vf)m, 4);
 }
-VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
 {
     uint32_t at[8];
     __m256 z[4];
-    _mm256_storeu_si256((__m256i *)(void *)at, _mm256_slli_epi32(I256(row), 2));
-    __asm__("" : "+m"(at)); /* else compilers take lanes out of vectors, where one port does all of it */
+    _mm256_storeu_si256((__m256i *)(void *)at, I256(index));
     VV_UNROLL
     for (int i = 0; i < 4; i++)
         z[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[i])), _mm_loadu_ps(base + at[i + 4]), 1);
@@ -317,9 +315,9 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return m ? base[index] : 0;
 }
-VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
 {
-    memcpy(out, base + 4 * (int64_t)row, 16);
+    memcpy(out, base + index, 16);
 }
 VV_INLINE vf vf_permute(vf table, vi lane) { (void)lane; return table; }
 VV_INLINE vi vi_madd16(vi a, vi b) { return (int16_t)a * (int16_t)b + (a >> 16) * (b >> 16); }
@@ -435,11 +433,11 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
             r[l] = base[index[l]];
     return r;
 }
-VV_INLINE void vf_rows4(vf out[4], const float *base, vi row)
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
 {
     vf z[4];
     for (int i = 0; i < 4; i++)
-        z[i] = vf_load(base + 4 * (int64_t)row[i]);
+        z[i] = vf_load(base + index[i]);
     const vf a = __builtin_shufflevector(z[0], z[1], 0, 4, 1, 5), b = __builtin_shufflevector(z[2], z[3], 0, 4, 1, 5);
     const vf c = __builtin_shufflevector(z[0], z[1], 2, 6, 3, 7), d = __builtin_shufflevector(z[2], z[3], 2, 6, 3, 7);
     out[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);

@@ -166,51 +166,67 @@ VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, v
 {
     const vvi_march_volume *f = p->f;
     if (f->light.shaded || f->paint.kind != VVI_PAINT_NONE || f->texture) {
-        queue_push_sight(&p->queue, f, at, found, weight, m);
+        queue_push_sight(&p->queue, f, at, found, weight * found->depth, m);
         if (p->queue.n >= QUEUE_FULL)
             p->by->color(&p->queue, p);
         return;
     }
     vf row[4] = {found->rgb[0], found->rgb[1], found->rgb[2]};
-    if (!has_colors(f))
-        vf_rows4(row, f->classifier.color, found->entry);
+    if (!has_colors(f)) {
+        vf_rows4(row, f->classifier.color, vi_shl(found->entry, 2));
+        weight = weight * found->depth;
+    }
+    weight = vf_select(m, weight, vf_set1(0.0f));
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_fma(weight, row[c], s->rgb[c]);
 }
 
-/** Step k of the lanes in run, through all volumes. */
-VV_INLINE void blend_step(composite_state *s, vf k, vm run)
-{
-    const vf zero = vf_set1(0.0f);
+/** One step through all volumes. */
+typedef struct blend_sample {
     sight found[VVI_BLEND_VOLUMES];
-    vf middle[VVI_BLEND_VOLUMES], sum = zero, from = k + vf_set1(1.0f), to = k;
-    uint32_t some = 0;
+    part_span span[VVI_BLEND_VOLUMES]; /* none where nothing was sampled */
+    vf middle[VVI_BLEND_VOLUMES];
+} blend_sample;
+
+/** Samples of the lanes in run, in step k. */
+VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
+{
     for (size_t i = 0; i < s->n; i++) {
         march_part *p = &s->part[i];
-        const part_span b = find_span(p, k);
+        part_span *b = &out->span[i];
+        *b = find_span(p, k);
         /* lanes that are to look again take the sample: they may be in another block by now */
-        const vm m = vm_and(vm_and(run, b.some), vm_or(p->busy, vf_le(p->look, k)));
-        if (!vm_any(m))
+        b->some = vm_and(vm_and(run, b->some), vm_or(p->busy, vf_le(p->look, k)));
+        out->middle[i] = vf_lerp(b->from, b->to, p->r.phase) - p->first;
+        if (vm_any(b->some))
+            p->by->classify(&out->found[i], p, b, out->middle[i], b->some);
+    }
+}
+
+/** What lanes of run see of them. */
+VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run)
+{
+    const vf zero = vf_set1(0.0f);
+    vf sum = zero, from = k + vf_set1(1.0f), to = k;
+    vm some[VVI_BLEND_VOLUMES];
+    for (size_t i = 0; i < s->n; i++) {
+        const part_span *b = &t->span[i];
+        some[i] = vm_and(run, b->some);
+        if (!vm_any(some[i]))
             continue;
-        middle[i] = vf_lerp(b.from, b.to, p->r.phase) - p->first;
-        p->by->classify(&found[i], p, &b, middle[i], m);
-        s->samples += (uint64_t)vm_count(m);
-        some |= 1u << i;
-        sum = sum + found[i].depth;
-        from = vf_select(m, vf_min(from, b.from), from);
-        to = vf_select(m, vf_max(to, b.to), to);
+        s->samples += (uint64_t)vm_count(some[i]);
+        sum = sum + vf_select(some[i], t->found[i].depth, zero);
+        from = vf_select(some[i], vf_min(from, b->from), from);
+        to = vf_select(some[i], vf_max(to, b->to), to);
+        some[i] = vm_and(some[i], vf_lt(zero, t->found[i].depth));
     }
     const vm seen = vf_lt(zero, sum);
     if (!vm_any(seen))
         return;
     const vf weight = absorbed_share(sum, seen) * s->transmittance;
-    for (size_t i = 0; i < s->n; i++) {
-        if (!(some >> i & 1))
-            continue;
-        const vm m = vf_lt(zero, found[i].depth);
-        if (vm_any(m))
-            part_add(s, &s->part[i], &found[i], middle[i], weight * found[i].depth, m);
-    }
+    for (size_t i = 0; i < s->n; i++)
+        if (vm_any(some[i]))
+            part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
     s->transmittance = vf_max(s->transmittance - weight * sum, zero);
     const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
     s->depth = vf_select(vm_and(halved, seen), (from + to) * vf_set1(0.5f), s->depth);

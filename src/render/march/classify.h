@@ -16,7 +16,7 @@ typedef struct march_part march_part;
 typedef struct sight {
     vf depth;     /* optical depth */
     vi entry;     /* table, labels: of the table */
-    vf rgb[3];    /* integrated, plane */
+    vf rgb[3];    /* integrated, plane: times the depth */
     vf label;     /* labels: the one that won */
     vf3 gradient; /* plane, and where opacity goes by gradients: in the world */
 } sight;
@@ -53,21 +53,33 @@ VV_INLINE void look_up(sight *s, const vvi_march_volume *f, vf value, vf share, 
     s->depth = vf_gather4(f->classifier.color + 3, vi_shl(s->entry, 2), m) * share;
 }
 
-/** Where a value stands among the rows of the integrals. */
+/** Where a value stands among the rows of the integrals, and its row. */
 typedef struct row_place {
     vf place, fraction; /* the fraction is beyond [0, 1] where there are no more rows */
     vi row;
+    vf mean[4], sum[4]; /* sums are whole numbers of 32 bits */
 } row_place;
 
-VV_INLINE row_place find_row(const vvi_classifier *c, vf value)
+VV_INLINE void find_row(row_place *r, const vvi_classifier *c, vf value)
 {
-    row_place r;
     const vf most = vf_set1(2e9f); /* as far as whole numbers reach */
-    r.place = vf_fma(value, vf_set1(c->row_scale), vf_set1(c->row_shift));
-    r.place = vf_min(vf_max(r.place, vf_set1(0.0f) - most), most);
-    r.row = vi_clamp(vi_trunc(r.place), vi_set1(0), vi_set1(c->n_rows - 1));
-    r.fraction = r.place - vf_from_vi(r.row);
-    return r;
+    r->place = vf_fma(value, vf_set1(c->row_scale), vf_set1(c->row_shift));
+    r->place = vf_min(vf_max(r->place, vf_set1(0.0f) - most), most);
+    r->row = vi_clamp(vi_trunc(r->place), vi_set1(0), vi_set1(c->n_rows - 1));
+    r->fraction = r->place - vf_from_vi(r->row);
+    vf_rows4(r->mean, c->mean, vi_shl(r->row, 2));
+    vf_rows4(r->sum, (const float *)(const void *)c->sum, vi_shl(r->row, 2));
+}
+
+VV_INLINE void select_row(row_place *r, vm m, const row_place *yes)
+{
+    r->place = vf_select(m, yes->place, r->place);
+    r->fraction = vf_select(m, yes->fraction, r->fraction);
+    r->row = vi_select(m, yes->row, r->row);
+    for (int c = 0; c < 4; c++) {
+        r->mean[c] = vf_select(m, yes->mean[c], r->mean[c]);
+        r->sum[c] = vf_select(m, yes->sum[c], r->sum[c]);
+    }
 }
 
 /** Where a value stays within a row that is too steep for one mean, what it is seen as: the table's finer rows. */
@@ -80,10 +92,11 @@ VV_INLINE void in_steep_row(sight *s, const vvi_march_volume *f, vf value, vf sh
     if (!vm_any(split))
         return;
     vf row[4];
-    vf_rows4(row, f->classifier.color, vi_select(split, split_entry(f, place, entry, alpha, split), vi_set1(0)));
+    const vi of = vi_select(split, split_entry(f, place, entry, alpha, split), vi_set1(0));
+    vf_rows4(row, f->classifier.color, vi_shl(of, 2));
     s->depth = vf_select(split, row[3] * share, s->depth);
     for (int c = 0; c < 3; c++)
-        s->rgb[c] = vf_select(split, row[c], s->rgb[c]);
+        s->rgb[c] = vf_select(split, row[c] * s->depth, s->rgb[c]);
 }
 
 /**
@@ -92,37 +105,29 @@ VV_INLINE void in_steep_row(sight *s, const vvi_march_volume *f, vf value, vf sh
  * far beyond the table, and within a sixty-fourth of a row, the mean of the two rows; of a steep row its part in the
  * middle of the way.
  */
-VV_INLINE void mean_between(sight *s, const vvi_march_volume *f, vf front, vf back, vf share, vm m)
+VV_INLINE void mean_between(sight *s, const vvi_march_volume *f, const row_place *a, const row_place *b, vf value,
+                            vf share, vm m)
 {
-    const vvi_classifier *k = &f->classifier;
-    const row_place a = find_row(k, front), b = find_row(k, back);
-    const vf way = b.place - a.place;
-    const vm same = vm_or(vf_lt(vf_abs(way), vf_set1(1.0f / 64)), vi_eq(a.row, b.row));
-    vf ma[4], mb[4], mean[4];
-    vf_rows4(ma, k->mean, a.row);
-    vf_rows4(mb, k->mean, b.row);
+    const vf way = b->place - a->place;
+    const vm same = vm_or(vf_lt(vf_abs(way), vf_set1(1.0f / 64)), vi_eq(a->row, b->row));
+    vf mean[4];
     for (int c = 0; c < 4; c++)
-        mean[c] = (ma[c] + mb[c]) * vf_set1(0.5f);
+        mean[c] = (a->mean[c] + b->mean[c]) * vf_set1(0.5f);
     if (vm_any(vm_andnot(m, same))) {
         const vf inverse = vf_set1(1.0f) / vf_select(same, vf_set1(1.0f), way);
-        vf sa[4], sb[4]; /* integers */
-        vf_rows4(sa, (const float *)(const void *)k->sum, a.row);
-        vf_rows4(sb, (const float *)(const void *)k->sum, b.row);
         for (int c = 0; c < 4; c++) {
-            const vf ends = vf_fma(b.fraction, mb[c], vf_set1(0.0f) - a.fraction * ma[c]);
-            const vf rows = vf_from_vi(vi_bits(sb[c]) - vi_bits(sa[c]));
-            mean[c] = vf_select(same, mean[c], vf_fma(rows, vf_set1(k->sum_unit[c]), ends) * inverse);
+            const vf ends = vf_fma(b->fraction, b->mean[c], vf_set1(0.0f) - a->fraction * a->mean[c]);
+            const vf rows = vf_from_vi(vi_bits(b->sum[c]) - vi_bits(a->sum[c]));
+            const vf over = vf_fma(rows, vf_set1(f->classifier.sum_unit[c]), ends) * inverse;
+            mean[c] = vf_select(same, mean[c], over);
         }
     }
-    for (int c = 0; c < 4; c++)
-        mean[c] = vf_max(mean[c], vf_set1(0.0f));
-    s->depth = mean[3] * share;
-    const vf each = vf_set1(1.0f) / vf_max(mean[3], vf_set1(1e-30f));
+    s->depth = vf_max(mean[3], vf_set1(0.0f)) * share;
     for (int c = 0; c < 3; c++)
-        s->rgb[c] = mean[c] * each;
+        s->rgb[c] = vf_max(mean[c], vf_set1(0.0f)) * share;
     const vm still = vm_and(m, same);
     if (vm_any(still))
-        in_steep_row(s, f, (front + back) * vf_set1(0.5f), share, still);
+        in_steep_row(s, f, value, share, still);
 }
 
 /** What a gradient leaves of the optical depth. */
@@ -153,18 +158,17 @@ VV_INLINE void in_plane(sight *s, const vvi_march_volume *f, vf value, vf share)
     const vf y = vf_clamp(length * vf_set1(f->classifier.plane_gradient), zero, last);
     const vi i = vi_min(vi_trunc(x), vi_set1(VVI_PLANE_SIDE - 2)), j = vi_min(vi_trunc(y), vi_set1(VVI_PLANE_SIDE - 2));
     const vf fx = x - vf_from_vi(i), fy = y - vf_from_vi(j);
-    const vi at = j * vi_set1(VVI_PLANE_SIDE) + i;
+    const vi at = vi_shl(j * vi_set1(VVI_PLANE_SIDE) + i, 2);
     vf a[4], b[4], c[4], d[4], sum[4];
     vf_rows4(a, f->classifier.plane, at);
     vf_rows4(b, f->classifier.plane + 4, at);
     vf_rows4(c, f->classifier.plane + 4 * VVI_PLANE_SIDE, at);
     vf_rows4(d, f->classifier.plane + 4 * VVI_PLANE_SIDE + 4, at);
     for (int q = 0; q < 4; q++)
-        sum[q] = vf_lerp(vf_lerp(a[q], b[q], fx), vf_lerp(c[q], d[q], fx), fy);
-    s->depth = sum[3] * share;
-    const vf each = vf_set1(1.0f) / vf_max(sum[3], vf_set1(1e-30f));
+        sum[q] = vf_lerp(vf_lerp(a[q], b[q], fx), vf_lerp(c[q], d[q], fx), fy) * share;
+    s->depth = sum[3];
     for (int q = 0; q < 3; q++)
-        s->rgb[q] = sum[q] * each;
+        s->rgb[q] = sum[q];
 }
 
 #endif

@@ -30,10 +30,12 @@ struct march_part {
     const vvi_march_volume *f;
     const struct sampler_row *by; /* several volumes: how this one is classified and coloured */
     packet r;
-    vf first, last;     /* where a ray misses it the same */
-    vf look;            /* step at which its block is looked at again */
-    vm busy;            /* lanes in a block that may show something */
-    vf known_at, known; /* integrated: a place and the value there, which the next step begins with */
+    vf first, last; /* where a ray misses it the same */
+    vf look;        /* step at which its block is looked at again */
+    vm busy;        /* lanes in a block that may show something */
+    vf known_at;    /* integrated: a place, the value there, and its rows, which the next step begins with */
+    vf known;
+    row_place known_row;
     color_queue queue;
 };
 
@@ -60,10 +62,7 @@ VV_INLINE vf part_value(const vvi_march_volume *f, int sampler, vf3 p, vm m)
 {
     if (sampler != VVI_RAY_CUBIC)
         return sample_value(&f->sampler.lattice, sampler, f->sampler.nearest, p, m);
-    vf value;
-    vf3 unused;
-    cubic_sample(&value, &unused, &f->sampler.lattice, &p, m);
-    return value;
+    return cubic_value(&f->sampler.lattice, &p, m);
 }
 
 /** In the world, as the light wants it. */
@@ -71,8 +70,7 @@ VV_INLINE vf3 part_gradient(const vvi_march_volume *f, int sampler, vf3 p, vm m)
 {
     vf3 g;
     if (sampler == VVI_RAY_CUBIC) {
-        vf unused;
-        cubic_sample(&unused, &g, &f->sampler.lattice, &p, m);
+        cubic_gradient(&g, &f->sampler.lattice, &p, m);
     } else {
         const cell_at cell = find_gradient_cell(&f->sampler.lattice, f->sampler.nearest, p);
         g = gradient_by(f->sampler.cell_gradient, &f->sampler.lattice, sampler, &cell, m);
@@ -117,7 +115,7 @@ VV_INLINE void color_batch(float *const part[3], const color_queue *q, const mar
         for (int c = 0; c < 3; c++)
             rgb[c] = vf_load(q->found[c] + at);
     else
-        vf_rows4(rgb, f->classifier.color, vi_load(q->entry + at));
+        vf_rows4(rgb, f->classifier.color, vi_shl(vi_load(q->entry + at), 2));
     if (f->paint.kind != VVI_PAINT_NONE || f->texture)
         paint_samples(rgb, p, &point, k, lane, m);
     if (f->light.shaded) {
@@ -176,8 +174,11 @@ VV_INLINE void queue_push(color_queue *q, vf k, vi entry, vf weight, vm m)
 VV_INLINE void queue_push_sight(color_queue *q, const vvi_march_volume *f, vf k, const sight *s, vf weight, vm m)
 {
     const int n = q->n;
-    for (int c = 0; c < 3 && has_colors(f); c++)
-        vf_compress(q->found[c] + n, s->rgb[c], m);
+    if (has_colors(f)) {
+        const vf each = vf_set1(1.0f) / vf_max(s->depth, vf_set1(1e-30f));
+        for (int c = 0; c < 3; c++)
+            vf_compress(q->found[c] + n, s->rgb[c] * each, m);
+    }
     if (f->classifier.kind == VVI_CLASSIFY_LABELS)
         vf_compress(q->found[0] + n, s->label, m);
     if (has_gradient(f)) {

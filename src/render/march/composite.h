@@ -36,7 +36,7 @@ VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_ho
     out->place = entry_place(f, value);
     out->entry = vi_trunc(out->place);
     if (how == HOW_TABLE) {
-        vf_rows4(out->row, f->classifier.seen, out->entry);
+        vf_rows4(out->row, f->classifier.seen, vi_shl(out->entry, 2));
         out->alpha = out->row[3];
     } else {
         out->alpha = vf_gather4(f->classifier.alpha, out->entry, m);
@@ -60,7 +60,7 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
     if (vm_any(split)) {
         t->entry = split_entry(f, t->place, t->entry, alpha, split);
         if (how == HOW_TABLE)
-            vf_rows4(t->row, f->classifier.seen, t->entry);
+            vf_rows4(t->row, f->classifier.seen, vi_shl(t->entry, 2));
         alpha = vf_gather4(f->classifier.alpha, t->entry, seen);
         seen = vf_lt(zero, alpha);
         if (!vm_any(seen))
@@ -101,6 +101,29 @@ VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf midd
     return empty;
 }
 
+/** A sample of a single volume, or of all. */
+typedef union any_sample {
+    table_sample of_table;
+    blend_sample of_all;
+} any_sample;
+
+VV_INLINE void fetch_any(any_sample *out, composite_state *s, composite_how how, int sampler, vf k, vf middle, vm run)
+{
+    if (how == HOW_ANY)
+        blend_fetch(&out->of_all, s, k, run);
+    else
+        fetch_sample(&out->of_table, s->part, how, sampler, k + middle, run);
+}
+
+VV_INLINE void add_any(composite_state *s, composite_how how, color_fn *color, any_sample *t, vf k, bool partial,
+                       vf share, vm run)
+{
+    if (how == HOW_ANY)
+        blend_add(s, &t->of_all, k, run);
+    else
+        add_sample(s, how, color, &t->of_table, partial, share, run);
+}
+
 /* Two samples at once, so that one is on its way from memory while the other is worked on: a step is longer than what a
  * processor looks ahead. With few lanes there is less to wait for. */
 enum { PAIRS = VV_WIDTH > 4 };
@@ -136,21 +159,18 @@ VV_INLINE void composite_march(composite_state *s, composite_how how, int sample
         }
         bool here;
         do { /* every running lane is in a block that may show something, or soon was */
-            if (how == HOW_ANY) {
-                blend_step(s, k, run);
-                here = composite_advance(s, &k, &run, limit, next);
-                continue;
-            }
-            table_sample now, then = {0};
-            fetch_sample(&now, s->part, how, sampler, k + middle, run);
+            any_sample now, then;
+            fetch_any(&now, s, how, sampler, k, middle, run);
             const vm both = PAIRS ? still_here(vm_and(run, vf_lt(k + one, limit)), k + one, next) : vm_none();
             const bool pair = vm_any(both);
             if (pair)
-                fetch_sample(&then, s->part, how, sampler, k + one + middle, both);
-            add_sample(s, how, color, &now, partial, share, run);
+                fetch_any(&then, s, how, sampler, k + one, middle, both);
+            else if (how != HOW_ANY)
+                then.of_table = (table_sample){0};
+            add_any(s, how, color, &now, k, partial, share, run);
             here = composite_advance(s, &k, &run, limit, next);
             if (pair && here) {
-                add_sample(s, how, color, &then, partial, share, run);
+                add_any(s, how, color, &then, k, partial, share, run);
                 here = composite_advance(s, &k, &run, limit, next);
             }
         } while (here);

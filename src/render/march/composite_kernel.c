@@ -2,21 +2,43 @@
  * that of kernels.c. */
 #include "render/march/composite.h"
 
-/* The value at the front of a step: the one at the back of the step before, or where there was none, a sample. */
-VV_INLINE vf known_front(const march_part *p, vf from, vm m)
+/* The value at the front of a step is the one at the back of the step before, or where there was none, a sample. Out of
+ * line: where rays come to something. */
+static __attribute__((noinline)) void find_front(march_part *p, const vf *from, vm fresh)
 {
     const vvi_march_volume *f = p->f;
-    const vm fresh = vm_andnot(m, vf_eq(p->known_at, from));
-    if (!vm_any(fresh))
-        return p->known;
-    const vf3 at = packet_point(&p->r, from - p->first);
-    vf value;
-    vf3 unused;
-    if (f->sampler.cubic)
-        cubic_sample(&value, &unused, &f->sampler.lattice, &at, fresh);
-    else
-        value = value_linear(&f->sampler.lattice, &at, fresh);
-    return vf_select(fresh, value, p->known);
+    const vf3 at = packet_point(&p->r, *from - p->first);
+    const vf value =
+        f->sampler.cubic ? cubic_value(&f->sampler.lattice, &at, fresh) : value_linear(&f->sampler.lattice, &at, fresh);
+    row_place row;
+    find_row(&row, &f->classifier, value);
+    p->known = vf_select(fresh, value, p->known);
+    select_row(&p->known_row, fresh, &row);
+}
+
+/* Means from there to the value at the back, which the next step begins with. */
+VV_INLINE vm integrate(sight *out, march_part *p, const part_span *span, vf value, vm m)
+{
+    const vvi_march_volume *f = p->f;
+    const vm fresh = vm_andnot(m, vf_eq(p->known_at, span->from));
+    if (vm_any(fresh))
+        find_front(p, &span->from, fresh);
+    const vm real = vm_and(m, vm_and(is_number(value), is_number(p->known)));
+    row_place back;
+    find_row(&back, &f->classifier, value);
+    mean_between(out, f, &p->known_row, &back, (p->known + value) * vf_set1(0.5f), span->to - span->from, real);
+    p->known = vf_select(m, value, p->known);
+    p->known_at = vf_select(m, span->to, p->known_at);
+    select_row(&p->known_row, m, &back);
+    return real;
+}
+
+/* What is left of it where opacity goes by the gradient. */
+VV_INLINE void fade(sight *s, vf left)
+{
+    s->depth = s->depth * left;
+    for (int c = 0; c < 3; c++)
+        s->rgb[c] = s->rgb[c] * left;
 }
 
 /* What a volume is seen as, whose samples are taken in one way. Kinds differ too little to be kernels of their own: all
@@ -34,14 +56,11 @@ VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf mid
     const vf value = labels ? winning_label(&f->sampler.lattice, sampler, at, m) : part_value(f, sampler, at, m);
     vm real = vm_and(m, is_number(value)), steep = vm_none();
     out->entry = vi_set1(0);
+    out->rgb[0] = out->rgb[1] = out->rgb[2] = zero;
     if (kind == VVI_CLASSIFY_PLANE) {
         real = steep = vm_and(real, may_be_in_plane(f, value, real));
     } else if (kind == VVI_CLASSIFY_INTEGRATED) {
-        const vf front = known_front(p, span->from, m);
-        p->known = vf_select(m, value, p->known);
-        p->known_at = vf_select(m, span->to, p->known_at);
-        real = vm_and(real, is_number(front));
-        mean_between(out, f, front, value, share, real);
+        real = integrate(out, p, span, value, m);
     } else {
         out->label = value;
         look_up(out, f, value, share, real);
@@ -53,7 +72,7 @@ VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf mid
         if (kind == VVI_CLASSIFY_PLANE)
             in_plane(out, f, value, share);
         if (f->classifier.modulate_power > 0)
-            out->depth = out->depth * modulation(f, out->gradient);
+            fade(out, modulation(f, out->gradient));
     } else if (kind == VVI_CLASSIFY_PLANE) {
         out->depth = zero;
     }

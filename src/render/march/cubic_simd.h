@@ -39,45 +39,87 @@ VV_INLINE void find_cubic_samples(vi out[4], vi i, int32_t n)
     }
 }
 
-/** Four coefficients of a row: value and derivative along x. */
-VV_INLINE void cubic_row(const vvi_lattice *g, const vi x[4], vi yz, const cubic_weights *c, vm m, vf *value, vf *slope)
+/** Where the coefficients around a place are, and what each counts. */
+typedef struct cubic_place {
+    cubic_weights x, y, z;
+    vi i[4], j[4], k[4]; /* offsets of columns, rows and slices */
+    vi first;            /* of the columns, where all four lie beside each other */
+    bool inner;          /* they do in all lanes */
+} cubic_place;
+
+VV_INLINE void find_cubic_place(cubic_place *c, const vvi_lattice *g, vf3 p, vm m)
 {
-    vi low, high;
-    vf v[4];
-    v[0] = vf_gather4(g->data, x[0] + yz, m);
-    vi_gather_pair4(g->data, x[1] + yz, m, &low, &high);
-    v[1] = vf_bits(low);
-    v[2] = g->n[0] > 1 ? vf_bits(high) : v[1];
-    v[3] = vf_gather4(g->data, x[3] + yz, m);
-    *value = vf_fma(v[0], c->w[0], vf_fma(v[1], c->w[1], vf_fma(v[2], c->w[2], v[3] * c->w[3])));
-    *slope = vf_fma(v[0], c->d[0], vf_fma(v[1], c->d[1], vf_fma(v[2], c->d[2], v[3] * c->d[3])));
+    const cell_at cell = find_cell(g, p);
+    const int32_t last = g->n[0] - 4;
+    c->x = find_cubic_weights(cell.fx);
+    c->y = find_cubic_weights(cell.fy);
+    c->z = find_cubic_weights(cell.fz);
+    find_cubic_samples(c->i, cell.i, g->n[0]);
+    find_cubic_samples(c->j, cell.j, g->n[1]);
+    find_cubic_samples(c->k, cell.k, g->n[2]);
+    for (int o = 0; o < 4; o++) {
+        c->j[o] = y_offset(g, c->j[o]);
+        c->k[o] = z_offset(g, VVI_SAMPLE_F32, c->k[o]);
+    }
+    const vi before = cell.i - vi_set1(1);
+    c->first = vi_clamp(before, vi_set1(0), vi_set1(last > 0 ? last : 0));
+    c->inner = last >= 0 && !vm_any(vm_andnot(m, vi_eq(c->first, before)));
 }
 
-/** Value, and gradient in index space, from the same 64 coefficients. The lattice is not wide. */
-static __attribute__((noinline)) void cubic_sample(vf *value, vf3 *gradient, const vvi_lattice *g, const vf3 *p, vm m)
+/** The four coefficients of a row. */
+VV_INLINE void load_cubic_row(vf v[4], const vvi_lattice *g, const cubic_place *c, vi row, vm m)
+{
+    if (c->inner) {
+        vf_rows4(v, g->data, c->first + row);
+        return;
+    }
+    for (int o = 0; o < 4; o++)
+        v[o] = vf_gather4(g->data, c->i[o] + row, m);
+}
+
+VV_INLINE vf weighted(const vf v[4], const vf w[4])
+{
+    return vf_fma(v[0], w[0], vf_fma(v[1], w[1], vf_fma(v[2], w[2], v[3] * w[3])));
+}
+
+/** The value alone. The lattice is not wide. */
+static __attribute__((noinline)) vf cubic_value(const vvi_lattice *g, const vf3 *p, vm m)
+{
+    cubic_place c;
+    vf sum = vf_set1(0.0f);
+    find_cubic_place(&c, g, *p, m);
+    for (int k = 0; k < 4; k++) {
+        vf in_slice = vf_set1(0.0f);
+        for (int j = 0; j < 4; j++) {
+            vf v[4];
+            load_cubic_row(v, g, &c, c.j[j] + c.k[k], m);
+            in_slice = vf_fma(weighted(v, c.x.w), c.y.w[j], in_slice);
+        }
+        sum = vf_fma(in_slice, c.z.w[k], sum);
+    }
+    return sum;
+}
+
+/** The gradient in index space, from the same 64 coefficients. */
+static __attribute__((noinline)) void cubic_gradient(vf3 *out, const vvi_lattice *g, const vf3 *p, vm m)
 {
     const vf zero = vf_set1(0.0f);
-    const cell_at c = find_cell(g, *p);
-    const cubic_weights wx = find_cubic_weights(c.fx), wy = find_cubic_weights(c.fy), wz = find_cubic_weights(c.fz);
-    vi x[4], y[4], z[4];
-    find_cubic_samples(x, c.i, g->n[0]);
-    find_cubic_samples(y, c.j, g->n[1]);
-    find_cubic_samples(z, c.k, g->n[2]);
-    *value = zero;
-    *gradient = vf3_set(zero, zero, zero);
+    cubic_place c;
+    find_cubic_place(&c, g, *p, m);
+    *out = vf3_set(zero, zero, zero);
     for (int k = 0; k < 4; k++) {
         vf in_slice = zero, dx = zero, dy = zero;
         for (int j = 0; j < 4; j++) {
-            vf v, slope;
-            cubic_row(g, x, y_offset(g, y[j]) + z_offset(g, VVI_SAMPLE_F32, z[k]), &wx, m, &v, &slope);
-            in_slice = vf_fma(v, wy.w[j], in_slice);
-            dx = vf_fma(slope, wy.w[j], dx);
-            dy = vf_fma(v, wy.d[j], dy);
+            vf v[4];
+            load_cubic_row(v, g, &c, c.j[j] + c.k[k], m);
+            const vf value = weighted(v, c.x.w);
+            in_slice = vf_fma(value, c.y.w[j], in_slice);
+            dx = vf_fma(weighted(v, c.x.d), c.y.w[j], dx);
+            dy = vf_fma(value, c.y.d[j], dy);
         }
-        *value = vf_fma(in_slice, wz.w[k], *value);
-        gradient->x = vf_fma(dx, wz.w[k], gradient->x);
-        gradient->y = vf_fma(dy, wz.w[k], gradient->y);
-        gradient->z = vf_fma(in_slice, wz.d[k], gradient->z);
+        out->x = vf_fma(dx, c.z.w[k], out->x);
+        out->y = vf_fma(dy, c.z.w[k], out->y);
+        out->z = vf_fma(in_slice, c.z.d[k], out->z);
     }
 }
 
