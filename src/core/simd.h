@@ -86,6 +86,27 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m) /* base[index] */
 {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m, I512(index), base, 4);
 }
+/* Four numbers at base + index of each lane, turned into four vectors; every lane's are read. Half the work of four
+ * gathers, and less where gathers are slow. */
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
+{
+    uint32_t at[16];
+    __m512 z[4];
+    _mm512_storeu_si512(at, I512(index));
+    VV_UNROLL
+    for (int i = 0; i < 4; i++) {
+        z[i] = _mm512_castps128_ps512(_mm_loadu_ps(base + at[i]));
+        z[i] = _mm512_mask_broadcast_f32x4(z[i], 0x00f0, _mm_loadu_ps(base + at[i + 4]));
+        z[i] = _mm512_mask_broadcast_f32x4(z[i], 0x0f00, _mm_loadu_ps(base + at[i + 8]));
+        z[i] = _mm512_mask_broadcast_f32x4(z[i], 0xf000, _mm_loadu_ps(base + at[i + 12]));
+    }
+    const __m512 a = _mm512_unpacklo_ps(z[0], z[1]), b = _mm512_unpacklo_ps(z[2], z[3]);
+    const __m512 c = _mm512_unpackhi_ps(z[0], z[1]), d = _mm512_unpackhi_ps(z[2], z[3]);
+    out[0] = _mm512_shuffle_ps(a, b, 0x44);
+    out[1] = _mm512_shuffle_ps(a, b, 0xee);
+    out[2] = _mm512_shuffle_ps(c, d, 0x44);
+    out[3] = _mm512_shuffle_ps(c, d, 0xee);
+}
 /* Words of 64 bits at base + index * scale bytes, as their low and high halves. */
 VV_INLINE void split512(__m512d low8, __m512d high8, vi *low, vi *high)
 {
@@ -175,6 +196,21 @@ VV_INLINE vi vi_gather2(const void *base, vi index, vm m)
 VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, I256(index), (vf)m, 4);
+}
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
+{
+    uint32_t at[8];
+    __m256 z[4];
+    _mm256_storeu_si256((__m256i *)(void *)at, I256(index));
+    VV_UNROLL
+    for (int i = 0; i < 4; i++)
+        z[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(base + at[i])), _mm_loadu_ps(base + at[i + 4]), 1);
+    const __m256 a = _mm256_unpacklo_ps(z[0], z[1]), b = _mm256_unpacklo_ps(z[2], z[3]);
+    const __m256 c = _mm256_unpackhi_ps(z[0], z[1]), d = _mm256_unpackhi_ps(z[2], z[3]);
+    out[0] = _mm256_shuffle_ps(a, b, 0x44);
+    out[1] = _mm256_shuffle_ps(a, b, 0xee);
+    out[2] = _mm256_shuffle_ps(c, d, 0x44);
+    out[3] = _mm256_shuffle_ps(c, d, 0xee);
 }
 VV_INLINE void split256(__m256d low4, __m256d high4, vi *low, vi *high)
 {
@@ -278,6 +314,10 @@ VV_INLINE vi vi_gather2(const void *base, vi index, vm m)
 VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return m ? base[index] : 0;
+}
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
+{
+    memcpy(out, base + index, 16);
 }
 VV_INLINE vf vf_permute(vf table, vi lane) { (void)lane; return table; }
 VV_INLINE vi vi_madd16(vi a, vi b) { return (int16_t)a * (int16_t)b + (a >> 16) * (b >> 16); }
@@ -392,6 +432,18 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
         if (m[l])
             r[l] = base[index[l]];
     return r;
+}
+VV_INLINE void vf_rows4(vf out[4], const float *base, vi index)
+{
+    vf z[4];
+    for (int i = 0; i < 4; i++)
+        z[i] = vf_load(base + index[i]);
+    const vf a = __builtin_shufflevector(z[0], z[1], 0, 4, 1, 5), b = __builtin_shufflevector(z[2], z[3], 0, 4, 1, 5);
+    const vf c = __builtin_shufflevector(z[0], z[1], 2, 6, 3, 7), d = __builtin_shufflevector(z[2], z[3], 2, 6, 3, 7);
+    out[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+    out[2] = __builtin_shufflevector(c, d, 0, 1, 4, 5);
+    out[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
 }
 #if defined(__SSE2__)
 VV_INLINE vi vi_madd16(vi a, vi b) { return (vi)_mm_madd_epi16((__m128i)a, (__m128i)b); }

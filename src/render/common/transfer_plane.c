@@ -85,6 +85,8 @@ vv_status vvi_transfer_plane_init(vvi_transfer_plane *out, vvi_transfer_table *c
         return vv_fail_memory(bytes);
     }
     fill(out, columns->running, c);
+    for (size_t u = 0; u < SIDE; u++)
+        out->any[u] = columns->running[u + 2 < SIDE ? u + 2 : SIDE] > columns->running[u];
     return VV_OK;
 }
 

@@ -14,7 +14,8 @@ void vvi_transfer_plane_evaluate(double rgbk_out[4], const vv_classification *cl
 /** The same at VVI_PLANE_SIDE values times as many lengths, for bilinear look-up: columns from `lo` to `hi`, beyond
  * which nothing is seen, rows from 0 to `top`, beyond which all is as at the top. */
 typedef struct vvi_transfer_plane {
-    float *rgbk; /**< rows of columns of 4 */
+    float *rgbk;               /**< rows of columns of 4 */
+    float any[VVI_PLANE_SIDE]; /**< by column: 1 where it or the next shows something at any gradient */
     double lo, hi, top;
 } vvi_transfer_plane;
 

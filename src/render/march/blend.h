@@ -1,5 +1,5 @@
 /** @file
- * Several volumes along one ray a lane, their extinctions added (algorithms: section 2.2). For kernels only.
+ * One step through several volumes, their extinctions added (algorithms: section 2.2). For kernels only.
  *
  * Steps are counted from where a ray enters the first of its volumes. In each step a volume takes the part that lies
  * inside it, which it is sampled in the middle of: so entry, exit and what lies between two volumes are exact. A step
@@ -7,85 +7,105 @@
  */
 #ifndef VVI_RENDER_MARCH_BLEND_H
 #define VVI_RENDER_MARCH_BLEND_H
-#include "render/march/blend_sample.h"
+#include "render/march/color.h"
 
 /* Parts of a step below this are rounding. */
 #define LEAST_PART 1e-6f
 #define NEVER 1e30f
 
-typedef struct blend_state {
-    blend_part part[VVI_BLEND_VOLUMES];
+typedef struct composite_state {
+    march_part *part; /* n of them */
     size_t n;
-    double t0[VV_WIDTH]; /* world distance of step 0 */
-    vm hit;
-    vf limit; /* steps until the last volume is left */
     vf rgb[3], transmittance;
     vf depth; /* step at which half of the light was gone; -1: not yet */
     uint64_t samples;
-} blend_state;
+    float opaque;
+    double t0[VV_WIDTH]; /* several volumes: world distance of step 0 */
+    vf limit;            /* and steps until the last one is left */
+} composite_state;
 
-/* Puts every volume's entry and exit in steps of the common lattice. */
-VV_INLINE void blend_align(blend_state *s, const vvi_blend_setup *f)
-{
-    for (int l = 0; l < VV_WIDTH; l++)
-        s->t0[l] = INFINITY;
-    for (size_t i = 0; i < s->n; i++) {
-        const uint32_t bits = vm_bits(s->part[i].r.hit);
-        for (int l = 0; l < VV_WIDTH; l++)
-            if (bits >> l & 1 && s->part[i].r.t0[l] < s->t0[l])
-                s->t0[l] = s->part[i].r.t0[l];
-    }
-    s->limit = vf_set1(0.0f);
-    s->hit = vm_none();
-    for (size_t i = 0; i < s->n; i++) {
-        blend_part *part = &s->part[i];
-        float first[VV_WIDTH];
-        const uint32_t bits = vm_bits(part->r.hit);
-        for (int l = 0; l < VV_WIDTH; l++)
-            first[l] = bits >> l & 1 ? (float)((part->r.t0[l] - s->t0[l]) / f->step) : 0.0f;
-        part->first = vf_load(first);
-        part->last = vf_select(part->r.hit, part->first + part->r.n, part->first);
-        part->look = vf_set1(0.0f);
-        part->busy = vm_none();
-        part->known_at = vf_set1(-1.0f);
-        part->known = vf_set1(0.0f);
-        s->limit = vf_max(s->limit, part->last);
-        s->hit = vm_or(s->hit, part->r.hit);
-    }
-}
+/** The part of a step inside a volume, in common steps. */
+typedef struct part_span {
+    vf from, to;
+    vm some; /* lanes where it is more than rounding */
+} part_span;
 
-VV_INLINE void blend_begin(blend_state *s, const vvi_blend_setup *f, const vvi_rays *rays, size_t at)
-{
-    s->n = f->n_volumes;
-    for (size_t i = 0; i < s->n; i++) {
-        s->part[i].volume = &f->volume[i];
-        packet_begin(&s->part[i].r, &f->volume[i].ray, rays, at);
-    }
-    blend_align(s, f);
-    s->rgb[0] = s->rgb[1] = s->rgb[2] = vf_set1(0.0f);
-    s->transmittance = vf_set1(1.0f);
-    s->depth = vf_set1(-1.0f);
-    s->samples = 0;
-}
+/** What lanes of m see of a volume over their span; `middle` steps from where it begins lies the sample. */
+typedef void classify_fn(sight *out, march_part *p, const part_span *span, vf middle, vm m);
 
-VV_INLINE blend_span find_span(const blend_part *p, vf k)
+/** What is built for each way of sampling. */
+typedef struct sampler_row {
+    classify_fn *classify;
+    color_fn *color;
+} sampler_row;
+
+VV_INLINE part_span find_span(const march_part *p, vf k)
 {
-    blend_span b;
+    part_span b;
     b.from = vf_max(k, p->first);
     b.to = vf_min(k + vf_set1(1.0f), p->last);
     b.some = vf_lt(vf_set1(LEAST_PART), b.to - b.from);
     return b;
 }
 
-/** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
-VV_INLINE void blend_look(blend_part *p, vf k, vm run)
+/* Of a sampler, once for all packets of a batch. */
+VV_INLINE void blend_open(march_part *part, const vvi_blend_setup *f, const sampler_row *samplers)
 {
-    const vvi_march_volume *f = &p->volume->ray;
+    for (size_t i = 0; i < f->n_volumes; i++) {
+        part[i].f = &f->volume[i];
+        part[i].by = &samplers[vvi_march_sampler(&f->volume[i].sampler)];
+        memset(&part[i].queue, 0, sizeof part[i].queue);
+    }
+}
+
+/* Every volume's entry and exit in steps of the common lattice. */
+VV_INLINE void blend_align(march_part *p, const composite_state *s, double step)
+{
+    float first[VV_WIDTH];
+    const uint32_t bits = vm_bits(p->r.hit);
+    for (int l = 0; l < VV_WIDTH; l++)
+        first[l] = bits >> l & 1 ? (float)((p->r.t0[l] - s->t0[l]) / step) : 0.0f;
+    p->first = vf_load(first);
+    p->last = vf_select(p->r.hit, p->first + p->r.n, p->first);
+    p->look = vf_set1(0.0f);
+    p->busy = vm_none();
+    p->known_at = vf_set1(-1.0f);
+    p->known = vf_set1(0.0f);
+    queue_begin(&p->queue);
+}
+
+/** Rays that meet a volume. */
+VV_INLINE vm blend_begin(composite_state *s, const vvi_blend_setup *f, const vvi_rays *rays, size_t at)
+{
+    vm hit = vm_none();
+    for (int l = 0; l < VV_WIDTH; l++)
+        s->t0[l] = INFINITY;
+    for (size_t i = 0; i < s->n; i++) {
+        packet *r = &s->part[i].r;
+        packet_begin(r, s->part[i].f, rays, at);
+        const uint32_t bits = vm_bits(r->hit);
+        for (int l = 0; l < VV_WIDTH; l++)
+            if (bits >> l & 1 && r->t0[l] < s->t0[l])
+                s->t0[l] = r->t0[l];
+        hit = vm_or(hit, r->hit);
+    }
+    s->limit = vf_set1(0.0f);
+    for (size_t i = 0; i < s->n; i++) {
+        blend_align(&s->part[i], s, f->step);
+        s->limit = vf_max(s->limit, s->part[i].last);
+    }
+    return vm_and(hit, vf_lt(vf_set1(0.0f), s->limit));
+}
+
+/** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
+VV_INLINE void part_look(march_part *p, vf k, vm run)
+{
+    const vvi_march_volume *f = p->f;
     const vm due = vm_and(run, vf_le(p->look, k));
     if (!vm_any(due))
         return;
     const vf next = k + vf_set1(1.0f);
-    const blend_span b = find_span(p, k);
+    const part_span b = find_span(p, k);
     /* PARC: nothing is visible before `near` and after `far` */
     const vf near = vf_floor(p->first + p->r.first), far = p->first + p->r.last;
     const vm inside = vm_and(vm_andnot(vm_and(due, b.some), vf_lt(k, near)), vf_lt(k, far));
@@ -96,12 +116,12 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     vf leave = vf_max(vf_floor(vf_min(p->last, far)), next);
     if (f->skipper.reach && vm_any(inside)) {
         /* blocks of an integrated volume speak for all within a step of them, so its front decides */
-        const vf middle = p->volume->classify == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
+        const vf middle = f->classifier.kind == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
         const vf at = vf_fma(b.to - b.from, middle, b.from) - p->first;
-        const block_at block = find_block(f, p->volume->nearest, packet_point(&p->r, at));
+        const block_at block = find_block(f, f->sampler.nearest, packet_point(&p->r, at));
         vm empty;
         const vi reach = look_at_blocks(f, &block, inside, &empty);
-        const vf exit = block_exit(&p->r, f, p->volume->nearest, &block, reach);
+        const vf exit = block_exit(&p->r, f, f->sampler.nearest, &block, reach);
         leave = sample_after(k, exit + p->first, middle);
         busy = vm_andnot(inside, empty);
     }
@@ -110,30 +130,21 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     p->busy = vm_or(vm_andnot(p->busy, due), busy);
 }
 
-/** Sums over the volumes of one step. */
-typedef struct step_sum {
-    vf depth, rgb[3]; /* optical depth; optical depth times colour */
-    vf from, to;
-} step_sum;
-
-VV_INLINE void blend_add(step_sum *sum, blend_state *s, blend_part *p, vf k, vm run)
+/** Lanes of run in which no volume may show something, and the step at which one of them has to look again. */
+VV_INLINE vm blend_look(composite_state *s, vf k, vm run, vf *next)
 {
-    const blend_span b = find_span(p, k);
-    const vm m = vm_and(vm_and(run, p->busy), b.some);
-    if (!vm_any(m))
-        return;
-    blend_sample here;
-    sample_volume(&here, p, &b, m);
-    s->samples += (uint64_t)vm_count(m);
-    sum->depth = sum->depth + here.depth;
-    for (int c = 0; c < 3; c++)
-        sum->rgb[c] = sum->rgb[c] + vf_select(m, here.depth * here.rgb[c], vf_set1(0.0f));
-    sum->from = vf_select(m, vf_min(sum->from, b.from), sum->from);
-    sum->to = vf_select(m, vf_max(sum->to, b.to), sum->to);
+    vm busy = vm_none();
+    *next = vf_set1(NEVER);
+    for (size_t i = 0; i < s->n; i++) {
+        part_look(&s->part[i], k, run);
+        busy = vm_or(busy, s->part[i].busy);
+        *next = vf_min(*next, s->part[i].look);
+    }
+    return vm_andnot(run, busy);
 }
 
 /** (1 - exp(-x)) / x for x >= 0, to rounding also where 1 - exp(-x) would cancel. */
-VV_INLINE vf absorbed_share(vf x)
+VV_INLINE vf absorbed_share(vf x, vm m)
 {
     const vf one = vf_set1(1.0f);
     vf small = vf_set1(1.0f / 5040);
@@ -143,53 +154,97 @@ VV_INLINE vf absorbed_share(vf x)
     small = vf_fma(small, x, vf_set1(1.0f / 6));
     small = vf_fma(small, x, vf_set1(-0.5f));
     small = vf_fma(small, x, one);
+    const vm few = vf_lt(x, vf_set1(0.3f));
+    if (!vm_any(vm_andnot(m, few)))
+        return small;
     const vf large = (one - vf_exp(vf_set1(0.0f) - x)) / vf_max(x, vf_set1(0.25f));
-    return vf_select(vf_lt(x, vf_set1(0.3f)), small, large);
+    return vf_select(few, small, large);
 }
 
-VV_INLINE void blend_step(blend_state *s, vf k, vm run)
+/** The share of a step's light that comes from a volume: at once where its colours are known, else later. */
+VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, vf at, vf weight, vm m)
 {
-    const vf zero = vf_set1(0.0f);
-    step_sum sum = {zero, {zero, zero, zero}, k + vf_set1(1.0f), k};
-    for (size_t i = 0; i < s->n; i++)
-        blend_add(&sum, s, &s->part[i], k, run);
-    const vm seen = vf_lt(zero, sum.depth);
-    if (!vm_any(seen))
+    const vvi_march_volume *f = p->f;
+    if (f->light.shaded || f->paint.kind != VVI_PAINT_NONE || f->texture) {
+        queue_push_sight(&p->queue, f, at, found, weight * found->depth, m);
+        if (p->queue.n >= QUEUE_FULL)
+            p->by->color(&p->queue, p);
         return;
-    const vf weight = absorbed_share(sum.depth) * s->transmittance;
+    }
+    vf row[4] = {found->rgb[0], found->rgb[1], found->rgb[2]};
+    if (!has_colors(f)) {
+        vf_rows4(row, f->classifier.color, vi_shl(found->entry, 2));
+        weight = weight * found->depth;
+    }
+    weight = vf_select(m, weight, vf_set1(0.0f));
     for (int c = 0; c < 3; c++)
-        s->rgb[c] = vf_fma(weight, sum.rgb[c], s->rgb[c]);
-    s->transmittance = vf_max(s->transmittance - weight * sum.depth, zero);
-    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, seen), (sum.from + sum.to) * vf_set1(0.5f), s->depth);
+        s->rgb[c] = vf_fma(weight, row[c], s->rgb[c]);
 }
 
-VV_INLINE void blend_march(blend_state *s, const vvi_blend_setup *f)
+/** One step through all volumes. */
+typedef struct blend_sample {
+    sight found[VVI_BLEND_VOLUMES];
+    part_span span[VVI_BLEND_VOLUMES]; /* none where nothing was sampled */
+    vf middle[VVI_BLEND_VOLUMES];
+} blend_sample;
+
+/** Samples of the lanes in run, in step k. */
+VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
 {
-    const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
-    vf k = vf_set1(0.0f);
-    vm run = vm_and(s->hit, vf_lt(k, s->limit));
-    while (vm_any(run)) {
-        vf next = vf_set1(NEVER);
-        vm busy = vm_none();
-        for (size_t i = 0; i < s->n; i++) {
-            blend_look(&s->part[i], k, run);
-            busy = vm_or(busy, s->part[i].busy);
-            next = vf_min(next, s->part[i].look);
-        }
-        const vm idle = vm_andnot(run, busy);
-        if (vm_any(idle)) { /* jump, and look again before any lane samples */
-            k = vf_select(idle, next, k);
-            run = vm_and(run, vf_lt(k, s->limit));
-            continue;
-        }
-        blend_step(s, k, run);
-        k = vf_select(run, k + one, k);
-        run = vm_and(run, vm_and(vf_lt(k, s->limit), vf_lt(opaque, s->transmittance)));
+    for (size_t i = 0; i < s->n; i++) {
+        march_part *p = &s->part[i];
+        part_span *b = &out->span[i];
+        *b = find_span(p, k);
+        /* lanes that are to look again take the sample: they may be in another block by now */
+        b->some = vm_and(vm_and(run, b->some), vm_or(p->busy, vf_le(p->look, k)));
+        out->middle[i] = vf_lerp(b->from, b->to, p->r.phase) - p->first;
+        if (vm_any(b->some))
+            p->by->classify(&out->found[i], p, b, out->middle[i], b->some);
     }
 }
 
-VV_INLINE void blend_store(vvi_sink *out, const blend_state *s, const vvi_blend_setup *f, size_t at)
+/** What lanes of run see of them. */
+VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run)
+{
+    const vf zero = vf_set1(0.0f);
+    vf sum = zero, from = k + vf_set1(1.0f), to = k;
+    vm some[VVI_BLEND_VOLUMES];
+    for (size_t i = 0; i < s->n; i++) {
+        const part_span *b = &t->span[i];
+        some[i] = vm_and(run, b->some);
+        if (!vm_any(some[i]))
+            continue;
+        s->samples += (uint64_t)vm_count(some[i]);
+        sum = sum + vf_select(some[i], t->found[i].depth, zero);
+        from = vf_select(some[i], vf_min(from, b->from), from);
+        to = vf_select(some[i], vf_max(to, b->to), to);
+        some[i] = vm_and(some[i], vf_lt(zero, t->found[i].depth));
+    }
+    const vm seen = vf_lt(zero, sum);
+    if (!vm_any(seen))
+        return;
+    const vf weight = absorbed_share(sum, seen) * s->transmittance;
+    for (size_t i = 0; i < s->n; i++)
+        if (vm_any(some[i]))
+            part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
+    s->transmittance = vf_max(s->transmittance - weight * sum, zero);
+    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
+    s->depth = vf_select(vm_and(halved, seen), (from + to) * vf_set1(0.5f), s->depth);
+}
+
+/** The light that came later. */
+VV_INLINE void blend_finish(composite_state *s)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        march_part *p = &s->part[i];
+        if (p->queue.n)
+            p->by->color(&p->queue, p);
+        for (int c = 0; c < 3; c++)
+            s->rgb[c] = s->rgb[c] + p->queue.rgb[c];
+    }
+}
+
+VV_INLINE void blend_store(vvi_sink *out, const composite_state *s, const vvi_blend_setup *f, size_t at)
 {
     float depth[VV_WIDTH];
     for (int i = 0; i < 3; i++)
@@ -198,16 +253,6 @@ VV_INLINE void blend_store(vvi_sink *out, const blend_state *s, const vvi_blend_
     vf_store(depth, s->depth);
     for (int l = 0; l < VV_WIDTH; l++)
         out->depth[at + (size_t)l] = depth[l] < 0 ? INFINITY : (float)(s->t0[l] + (double)depth[l] * f->step);
-}
-
-VV_INLINE void blend_packet(vvi_sink *out, const vvi_blend_setup *f, const vvi_rays *rays, size_t at,
-                            vv_render_counts *counts)
-{
-    blend_state s;
-    blend_begin(&s, f, rays, at);
-    blend_march(&s, f);
-    counts->samples += s.samples;
-    blend_store(out, &s, f, at);
 }
 
 #endif

@@ -1,202 +1,250 @@
 /** @file
- * Emission and absorption along a packet of rays (algorithms: section 2.2). For kernels only.
+ * Emission and absorption along a packet of rays (algorithms: section 2.2): the one loop of all kernels that do this.
+ * For kernels only.
  *
- * Samples lie in the middle of steps counted from where a ray enters the clipped volume, or where the ray's phase says;
- * the last, shorter step has its own length. Blocks where nothing is visible are jumped, so that the samples taken are
- * the same with and without.
+ * What a kernel does is a constant of the program: `how` is the same in all calls of one. Samples of a single volume
+ * lie in the middle of steps counted from where a ray enters it, or where the ray's phase says; the last, shorter step
+ * has its own length. Of several volumes each takes the part of a step that lies inside it (blend.h). Blocks where
+ * nothing is visible are jumped, so that the samples taken are the same with and without.
  */
 #ifndef VVI_RENDER_MARCH_COMPOSITE_H
 #define VVI_RENDER_MARCH_COMPOSITE_H
-#include "render/march/classify.h"
-#include "render/march/entry.h"
-#include "render/march/shade_simd.h"
+#include "render/march/blend.h"
 
-enum { QUEUE_BATCHES = 4, QUEUE_FULL = QUEUE_BATCHES * VV_WIDTH };
+typedef enum composite_how {
+    HOW_TABLE, /* one volume, colours and opacities from its table */
+    HOW_LIT,   /* the same, and colours are found later */
+    HOW_ANY    /* any number of volumes, each classified in its own way */
+} composite_how;
 
-/**
- * Samples that can be seen wait here until there are some for every lane, whichever rays they are of: light costs
- * several times what sampling does. Colour adds up ray by ray in the order of the samples, however they are grouped.
- */
-typedef struct light_queue {
-    float k[QUEUE_FULL + VV_WIDTH], weight[QUEUE_FULL + VV_WIDTH];
-    int32_t entry[QUEUE_FULL + VV_WIDTH], lane[QUEUE_FULL + VV_WIDTH];
-    uint32_t pushed[QUEUE_FULL + VV_WIDTH]; /* the lanes of each push */
-    int n, n_pushes;
-    vf rgb[3]; /* what has arrived, by ray */
-} light_queue;
+/** One sample of each lane of a single volume, and what its table says of it. */
+typedef struct table_sample {
+    vf k, place, alpha; /* k steps from entry */
+    vi entry;
+    vf row[4];
+    vm m; /* lanes that have one */
+} table_sample;
 
-/** Gives colour to all that wait. */
-typedef void light_fn(light_queue *q, const packet *r, const vvi_march_volume *f);
-
-typedef struct composite_state {
-    vf rgb[3], transmittance;
-    vf depth; /* step at which half of the light was gone; -1: not yet */
-    uint64_t samples;
-    light_queue queue; /* shaded only */
-} composite_state;
-
-VV_INLINE vf3 permuted(vf3 a, vi lane)
+VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_how how, int sampler, vf k, vm m)
 {
-    return vf3_set(vf_permute(a.x, lane), vf_permute(a.y, lane), vf_permute(a.z, lane));
-}
-
-/** Colour of the samples from `at` on, at most one a lane. */
-VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_march_volume *f,
-                           int type, bool nearest, int at)
-{
-    const vvi_lattice *g = &f->sampler.lattice;
-    const int n = q->n - at < VV_WIDTH ? q->n - at : VV_WIDTH;
-    const vm m = vm_first_n((uint64_t)n);
-    const vi lane = vi_load(q->lane + at), row = vi_shl(vi_load(q->entry + at), 2);
-    const vf k = vf_load(q->k + at), weight = vf_load(q->weight + at);
-    const vf3 start = permuted(r->start, lane), delta = permuted(r->delta, lane);
-    const vf3 p = vf3_set(vf_fma(k, delta.x, start.x), vf_fma(k, delta.y, start.y), vf_fma(k, delta.z, start.z));
-    vf rgb[3];
-    for (int c = 0; c < 3; c++)
-        rgb[c] = vf_gather4(f->classifier.color + c, row, m);
-    const cell_at cell = find_gradient_cell(g, nearest, p);
-    vf3 gradient = world_gradient(f, gradient_by(f->sampler.cell_gradient, g, type, &cell, m));
-    gradient = cap_gradient(gradient, r, f, k, lane, m);
-    shade(f, p, permuted(r->direction, lane), gradient, false, rgb);
-    for (int c = 0; c < 3; c++)
-        vf_store(part[c] + at, rgb[c] * weight);
-}
-
-VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_march_volume *f, int type, bool nearest)
-{
-    float red[QUEUE_FULL + 2 * VV_WIDTH], green[QUEUE_FULL + 2 * VV_WIDTH], blue[QUEUE_FULL + 2 * VV_WIDTH];
-    memset(red, 0, sizeof red); /* lanes without a sample read what lies behind the last */
-    memset(green, 0, sizeof green);
-    memset(blue, 0, sizeof blue);
-    float *const part[3] = {red, green, blue};
-    for (int at = 0; at < q->n; at += VV_WIDTH)
-        light_batch(part, q, r, f, type, nearest, at);
-    int at = 0;
-    for (int i = 0; i < q->n_pushes; i++) {
-        const vm m = vm_from_bits(q->pushed[i]);
-        for (int c = 0; c < 3; c++)
-            q->rgb[c] = q->rgb[c] + vf_expand(part[c] + at, m);
-        at += vm_count(m);
-    }
-    q->n = q->n_pushes = 0;
-}
-
-VV_INLINE void queue_push(light_queue *q, vf k, vi entry, vf weight, vm m)
-{
-    vf_compress(q->k + q->n, k, m);
-    vf_compress(q->weight + q->n, weight, m);
-    vi_compress(q->entry + q->n, entry, m);
-    vi_compress(q->lane + q->n, own_lanes(), m);
-    q->pushed[q->n_pushes++] = vm_bits(m);
-    q->n += vm_count(m);
-}
-
-/** One sample of every lane in m, k steps from entry; share: how much of a full step it stands for (1 for all but the
- * last). */
-VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
-                                light_fn *light, vf k, bool partial, vf share, vm m)
-{
-    const vf3 p = packet_point(r, k);
-    const vf value = sample_value(&f->sampler.lattice, type, nearest, p, m);
-    if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
+    const vvi_march_volume *f = p->f;
+    const vf value = part_value(f, sampler, packet_point(&p->r, k), m);
+    if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_WIDE)
         m = vm_and(m, is_number(value));
+    out->k = k;
+    out->m = m;
+    out->place = entry_place(f, value);
+    out->entry = vi_trunc(out->place);
+    if (how == HOW_TABLE) {
+        vf_rows4(out->row, f->classifier.seen, vi_shl(out->entry, 2));
+        out->alpha = out->row[3];
+    } else {
+        out->alpha = vf_gather4(f->classifier.alpha, out->entry, m);
     }
-    const vf place = entry_place(f, value);
-    vi entry = vi_trunc(place);
-    vf alpha = vf_gather4(f->classifier.alpha, entry, m);
-    vm seen = vf_lt(vf_set1(0.0f), alpha);
+}
+
+/** What lanes of m see of it; share: how much of a full step it stands for (1 for all but the last). */
+VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color, table_sample *t, bool partial,
+                          vf share, vm m)
+{
+    march_part *p = s->part;
+    const vvi_march_volume *f = p->f;
+    const vf zero = vf_set1(0.0f);
+    m = vm_and(m, t->m);
+    vf alpha = vf_select(m, t->alpha, zero);
+    vm seen = vf_lt(zero, alpha);
     s->samples += (uint64_t)vm_count(m);
     if (!vm_any(seen))
         return;
     const vm split = vf_lt(vf_set1(1.0f), alpha);
     if (vm_any(split)) {
-        entry = split_entry(f, place, entry, alpha, split);
-        alpha = vf_gather4(f->classifier.alpha, entry, seen);
-        seen = vf_lt(vf_set1(0.0f), alpha);
+        t->entry = split_entry(f, t->place, t->entry, alpha, split);
+        if (how == HOW_TABLE)
+            vf_rows4(t->row, f->classifier.seen, vi_shl(t->entry, 2));
+        alpha = vf_gather4(f->classifier.alpha, t->entry, seen);
+        seen = vf_lt(zero, alpha);
         if (!vm_any(seen))
             return;
     }
     if (partial) { /* from the optical depth: the table's alpha is rounded too near 1 to be scaled */
-        const vf depth = vf_gather4(f->classifier.color + 3, vi_shl(entry, 2), seen) * share;
-        alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(vf_set1(0.0f) - depth), vf_set1(0.0f));
+        const vf depth = vf_gather4(f->classifier.color + 3, vi_shl(t->entry, 2), seen) * share;
+        alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(zero - depth), zero);
     }
     const vf weight = alpha * s->transmittance;
-    if (light) {
-        queue_push(&s->queue, k, entry, weight, seen);
-        if (s->queue.n >= QUEUE_FULL)
-            light(&s->queue, r, f);
-    } else {
-        const vi at = vi_shl(entry, 2);
+    if (how == HOW_TABLE) {
         for (int c = 0; c < 3; c++)
-            s->rgb[c] = vf_fma(weight, vf_gather4(f->classifier.color + c, at, seen), s->rgb[c]);
+            s->rgb[c] = vf_fma(weight, t->row[c], s->rgb[c]);
+    } else {
+        queue_push(&p->queue, t->k, t->entry, weight, seen);
+        if (p->queue.n >= QUEUE_FULL)
+            color(&p->queue, p);
     }
     s->transmittance = s->transmittance - weight;
-    const vm halved = vm_and(vf_lt(s->depth, vf_set1(0.0f)), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, m), k, s->depth);
+    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
+    s->depth = vf_select(vm_and(halved, m), t->k, s->depth);
+}
+
+/** Which lanes of `run` are in blocks that show nothing, and when blocks are to be looked at again. */
+VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf middle, vm run, vf *next)
+{
+    if (how == HOW_ANY)
+        return blend_look(s, k, run, next);
+    const march_part *p = s->part;
+    vm empty = vm_none();
+    *next = vf_set1(NEVER);
+    if (p->f->skipper.reach) {
+        const bool nearest = p->f->sampler.nearest;
+        const block_at b = find_block(p->f, nearest, packet_point(&p->r, k + middle));
+        const vi reach = look_at_blocks(p->f, &b, run, &empty);
+        *next = sample_after(k, block_exit(&p->r, p->f, nearest, &b, reach), middle);
+    }
+    return empty;
+}
+
+/** A sample of a single volume, or of all. */
+typedef union any_sample {
+    table_sample of_table;
+    blend_sample of_all;
+} any_sample;
+
+VV_INLINE void fetch_any(any_sample *out, composite_state *s, composite_how how, int sampler, vf k, vf middle, vm run)
+{
+    if (how == HOW_ANY)
+        blend_fetch(&out->of_all, s, k, run);
+    else
+        fetch_sample(&out->of_table, s->part, how, sampler, k + middle, run);
+}
+
+VV_INLINE void add_any(composite_state *s, composite_how how, color_fn *color, any_sample *t, vf k, bool partial,
+                       vf share, vm run)
+{
+    if (how == HOW_ANY)
+        blend_add(s, &t->of_all, k, run);
+    else
+        add_sample(s, how, color, &t->of_table, partial, share, run);
+}
+
+/* Two samples at once, so that one is on its way from memory while the other is worked on: a step is longer than what a
+ * processor looks ahead. With few lanes there is less to wait for. */
+enum { PAIRS = VV_WIDTH > 4 };
+
+/** Lanes of run, unless many of them have left the blocks that they looked at. */
+VV_INLINE vm still_here(vm run, vf k, vf next)
+{
+    const vm left = vm_and(run, vf_le(next, k));
+    return vm_count(left) * 4 <= vm_count(run) ? run : vm_none();
+}
+
+/** To the next step; whether there is one before blocks have to be looked at. */
+VV_INLINE bool composite_advance(const composite_state *s, vf *k, vm *run, vf limit, vf next)
+{
+    *k = vf_select(*run, *k + vf_set1(1.0f), *k);
+    *run = vm_and(*run, vm_and(vf_lt(*k, limit), vf_lt(vf_set1(s->opaque), s->transmittance)));
+    return vm_any(still_here(*run, *k, next));
 }
 
 /** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step, which is `share` of one long.
  */
-VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_march_volume *f, int type, bool nearest,
-                               light_fn *light, vf k, vf limit, vf middle, bool partial, vf share, vm run)
+VV_INLINE void composite_march(composite_state *s, composite_how how, int sampler, color_fn *color, vf k, vf limit,
+                               vf middle, bool partial, vf share, vm run)
 {
-    const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
+    const vf one = vf_set1(1.0f);
     while (vm_any(run)) {
-        vf leave = vf_set1(1e30f);
-        if (f->skipper.reach) {
-            const block_at b = find_block(f, nearest, packet_point(r, k + middle));
-            vm empty;
-            const vi reach = look_at_blocks(f, &b, run, &empty);
-            leave = sample_after(k, block_exit(r, f, nearest, &b, reach), middle);
-            if (vm_any(empty)) { /* jump, and look again before any lane samples */
-                k = vf_select(empty, leave, k);
-                run = vm_and(run, vf_lt(k, limit));
-                continue;
-            }
+        vf next;
+        const vm empty = composite_look(s, how, k, middle, run, &next);
+        if (vm_any(empty)) { /* jump, and look again before any lane samples */
+            k = vf_select(empty, next, k);
+            run = vm_and(run, vf_lt(k, limit));
+            continue;
         }
-        vm left;
+        bool here;
         do { /* every running lane is in a block that may show something, or soon was */
-            composite_sample(s, r, f, type, nearest, light, k + middle, partial, share, run);
-            k = vf_select(run, k + one, k);
-            run = vm_and(run, vm_and(vf_lt(k, limit), vf_lt(opaque, s->transmittance)));
-            left = vm_and(run, vf_le(leave, k));
-        } while (vm_any(run) && vm_count(left) * 4 <= vm_count(run));
+            any_sample now, then;
+            fetch_any(&now, s, how, sampler, k, middle, run);
+            const vm both = PAIRS ? still_here(vm_and(run, vf_lt(k + one, limit)), k + one, next) : vm_none();
+            const bool pair = vm_any(both);
+            if (pair)
+                fetch_any(&then, s, how, sampler, k + one, middle, both);
+            else if (how != HOW_ANY)
+                then.of_table = (table_sample){0};
+            add_any(s, how, color, &now, k, partial, share, run);
+            here = composite_advance(s, &k, &run, limit, next);
+            if (pair && here) {
+                add_any(s, how, color, &then, k, partial, share, run);
+                here = composite_advance(s, &k, &run, limit, next);
+            }
+        } while (here);
     }
 }
 
-VV_INLINE void composite_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,
-                                bool nearest, light_fn *light, vv_render_counts *counts)
+/** The whole steps of a single volume, and the rest. */
+VV_INLINE void composite_one(composite_state *s, composite_how how, int sampler, color_fn *color)
 {
-    const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
-    composite_state s;
-    s.rgb[0] = s.rgb[1] = s.rgb[2] = zero;
-    s.transmittance = one;
-    s.depth = vf_set1(-1.0f);
-    s.samples = 0;
-    if (light)
-        memset(&s.queue, 0, sizeof s.queue); /* lanes without a sample are computed as well: with numbers */
-    if (vm_any(packet_promising(r))) {
-        /* a rest below a millionth of a step is rounding, not a step */
-        const vf whole = vf_floor(r->n + vf_set1(1e-6f));
-        vf k = r->first, limit = vf_min(whole, r->last), middle = r->phase, share = one;
-        vm run = vm_and(r->hit, vf_lt(k, limit));
-        for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
-            composite_march(&s, r, f, type, nearest, light, k, limit, middle, partial, share, run);
-            share = r->n - whole;
-            k = whole;
-            limit = whole + one;
-            middle = share * r->phase;
-            run = vm_and(vm_and(r->hit, vf_lt(vf_set1(1e-6f), share)), vf_lt(vf_set1(f->opaque), s.transmittance));
-            run = vm_and(run, vf_lt(whole, r->last));
-        }
+    const packet *r = &s->part->r;
+    if (!vm_any(packet_promising(r)))
+        return;
+    /* a rest below a millionth of a step is rounding, not a step */
+    const vf whole = vf_floor(r->n + vf_set1(LEAST_PART)), one = vf_set1(1.0f), opaque = vf_set1(s->opaque);
+    vf k = r->first, limit = vf_min(whole, r->last), middle = r->phase, share = one;
+    vm run = vm_and(r->hit, vf_lt(k, limit));
+    for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
+        composite_march(s, how, sampler, color, k, limit, middle, partial, share, run);
+        share = r->n - whole;
+        k = whole;
+        limit = whole + one;
+        middle = share * r->phase;
+        run = vm_and(vm_and(r->hit, vf_lt(vf_set1(LEAST_PART), share)), vf_lt(opaque, s->transmittance));
+        run = vm_and(run, vf_lt(whole, r->last));
     }
-    if (light) {
-        light(&s.queue, r, f);
-        for (int c = 0; c < 3; c++)
-            s.rgb[c] = s.queue.rgb[c];
+}
+
+VV_INLINE void composite_begin(composite_state *s, march_part *part, size_t n, float opaque)
+{
+    s->part = part;
+    s->n = n;
+    s->rgb[0] = s->rgb[1] = s->rgb[2] = vf_set1(0.0f);
+    s->transmittance = vf_set1(1.0f);
+    s->opaque = opaque;
+    s->depth = vf_set1(-1.0f);
+    s->samples = 0;
+}
+
+VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vvi_rays *rays, vv_render_counts *counts,
+                              composite_how how, int sampler, color_fn *color)
+{
+    march_part part;
+    part.f = f;
+    if (how == HOW_LIT)
+        memset(&part.queue, 0, sizeof part.queue);
+    for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
+        composite_state s;
+        composite_begin(&s, &part, 1, f->opaque);
+        packet_begin(&part.r, f, rays, at);
+        if (how == HOW_LIT)
+            queue_begin(&part.queue);
+        composite_one(&s, how, sampler, color);
+        if (how == HOW_LIT)
+            color(&part.queue, &part);
+        counts->samples += s.samples;
+        packet_store(out, &part.r, f, at, how == HOW_LIT ? part.queue.rgb : s.rgb, s.transmittance, s.depth);
     }
-    counts->samples += s.samples;
-    packet_store(out, r, f, at, s.rgb, s.transmittance, s.depth);
+}
+
+/** The same through all volumes of a blend. */
+VV_INLINE void composite_blend(vvi_sink *out, const vvi_blend_setup *f, const vvi_rays *rays, vv_render_counts *counts,
+                               const sampler_row *samplers)
+{
+    march_part part[VVI_BLEND_VOLUMES];
+    blend_open(part, f, samplers);
+    for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
+        composite_state s;
+        composite_begin(&s, part, f->n_volumes, f->opaque);
+        const vm run = blend_begin(&s, f, rays, at);
+        composite_march(&s, HOW_ANY, 0, NULL, vf_set1(0.0f), s.limit, vf_set1(0.0f), false, vf_set1(1.0f), run);
+        blend_finish(&s);
+        counts->samples += s.samples;
+        blend_store(out, &s, f, at);
+    }
 }
 
 #endif

@@ -1,12 +1,11 @@
-/* Every ray-casting kernel of one instruction set: the bodies of composite.h, extremum.h, average.h, local_maximum.h
- * and surface.h for each sample type. */
+/* The ray-casting kernels of one instruction set: the bodies of extremum.h, average.h, local_maximum.h and surface.h
+ * for each sample type, and those of composite_kernel.c. */
 #include "render/march/kernels.h"
 #include "render/march/average.h"
-#include "render/march/composite.h"
 #include "render/march/extremum.h"
 #include "render/march/eye.h"
 #include "render/march/local_maximum.h"
-#include "render/march/surface.h"
+#include "render/march/surface_cubic.h"
 
 typedef void packet_fn(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, vv_render_counts *counts);
 
@@ -32,18 +31,9 @@ VV_INLINE void each_packet(vvi_sink *out, const vvi_march_volume *f, const vvi_r
         each_packet(out, f, rays, counts, name##_packet);                                                              \
     }
 
-/* Out of line: it is called from two places, and leaves the marching loop its registers. */
-#define LIGHT(name, type)                                                                                              \
-    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_march_volume *f)             \
-    {                                                                                                                  \
-        light_all(q, r, f, type, f->sampler.nearest);                                                                  \
-    }
-
 /* Whether samples are the nearest is asked at run time: it is always the same answer, and half the program to build. */
 #define KERNELS_OF_TYPE(t, type)                                                                                       \
-    LIGHT(light_##t, type)                                                                                             \
-    KERNEL(composite_##t, composite_packet(out, f, r, at, type, f->sampler.nearest, NULL, counts))                     \
-    KERNEL(composite_shaded_##t, composite_packet(out, f, r, at, type, f->sampler.nearest, light_##t, counts))         \
+    extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_composite_##t), VV_KERNEL_TABLE(vvi_composite_lit_##t);                  \
     KERNEL(extremum_##t, extremum_packet(out, f, r, at, type, f->sampler.nearest, counts))                             \
     KERNEL(average_##t, average_packet(out, f, r, at, type, f->sampler.nearest, counts))                               \
     KERNEL(local_##t, local_packet(out, f, r, at, type, f->sampler.nearest, counts))                                   \
@@ -54,6 +44,8 @@ KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
 KERNELS_OF_TYPE(i16, VVI_SAMPLE_I16)
 KERNELS_OF_TYPE(f32, VVI_SAMPLE_F32)
 KERNELS_OF_TYPE(wide, VVI_SAMPLE_WIDE)
+
+KERNEL(spline, surface_cubic_packet(out, f, r, at, counts))
 
 VV_INLINE void sample_points(float *restrict value, float *const gradient[3], const vvi_lattice *g, int type,
                              bool nearest, const float *x, const float *y, const float *z, size_t n)
@@ -139,22 +131,27 @@ static void eye(vvi_rays *out, const vvi_eye *e, const vv_tile *tile)
         name##_u8, name##_u16, name##_i16, name##_f32, name##_wide                                                     \
     }
 
-extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays); /* blend_kernel.c */
-extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_rays);
+#define BY_TYPE_OF(name)                                                                                               \
+    {                                                                                                                  \
+        VV_KERNEL_TABLE(name##_u8), VV_KERNEL_TABLE(name##_u16), VV_KERNEL_TABLE(name##_i16),                          \
+            VV_KERNEL_TABLE(name##_f32), VV_KERNEL_TABLE(name##_wide)                                                  \
+    }
+
+extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays); /* composite_kernel.c */
 extern const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels);
 const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .needs = VV_ISA_NEEDS,
     .isa = VV_ISA_NAME,
     .width = VV_WIDTH,
-    .of = {[VVI_RAY_COMPOSITE] = BY_TYPE(composite),
-           [VVI_RAY_COMPOSITE_SHADED] = BY_TYPE(composite_shaded),
+    .of = {[VVI_RAY_COMPOSITE] = BY_TYPE_OF(vvi_composite),
+           [VVI_RAY_COMPOSITE_LIT] = BY_TYPE_OF(vvi_composite_lit),
            [VVI_RAY_EXTREMUM] = BY_TYPE(extremum),
            [VVI_RAY_AVERAGE] = BY_TYPE(average),
            [VVI_RAY_LOCAL_MAXIMUM] = BY_TYPE(local),
            [VVI_RAY_SURFACE] = BY_TYPE(surface)},
     .eye = eye,
     .blend = VV_KERNEL_TABLE(vvi_blend_rays),
-    .surface_cubic = VV_KERNEL_TABLE(vvi_cubic_rays),
+    .surface_cubic = spline,
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,

@@ -12,15 +12,14 @@
 typedef void vvi_ray_kernel(vvi_sink *out, const vvi_march_volume *volume, const vvi_rays *rays,
                             vv_render_counts *counts);
 
-struct vvi_blend_setup;
-/** The same through several. */
-typedef void vvi_blend_kernel(vvi_sink *out, const struct vvi_blend_setup *blend, const vvi_rays *rays,
+/** The same through several, of which each is classified in its own way. */
+typedef void vvi_blend_kernel(vvi_sink *out, const vvi_blend_setup *blend, const vvi_rays *rays,
                               vv_render_counts *counts);
 
 /** What a kernel of one volume makes of the values along a ray. */
 enum {
-    VVI_RAY_COMPOSITE,
-    VVI_RAY_COMPOSITE_SHADED,
+    VVI_RAY_COMPOSITE,     /**< colours and opacities of a table, and no more */
+    VVI_RAY_COMPOSITE_LIT, /**< the same, then paint, texture and light */
     VVI_RAY_EXTREMUM,
     VVI_RAY_AVERAGE,
     VVI_RAY_LOCAL_MAXIMUM,
@@ -36,7 +35,7 @@ typedef struct vvi_ray_kernels {
     vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS];
     vvi_eye_kernel *eye;
     vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
-    vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way (blend_kernel.h) */
+    vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
                    const float *x, const float *y, const float *z, size_t n);

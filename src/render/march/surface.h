@@ -6,8 +6,8 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_H
 #define VVI_RENDER_MARCH_SURFACE_H
-#include "render/march/blend_paint.h"
 #include "render/march/entry.h"
+#include "render/march/paint_simd.h"
 #include "render/march/shade_simd.h"
 #include "render/march/texture_simd.h"
 

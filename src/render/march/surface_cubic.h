@@ -7,7 +7,7 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_CUBIC_H
 #define VVI_RENDER_MARCH_SURFACE_CUBIC_H
-#include "render/march/blend_cubic.h"
+#include "render/march/cubic_simd.h"
 #include "render/march/surface.h"
 
 /* Halvings of half a cell: to the last bit of the place in it. */
@@ -17,10 +17,7 @@ enum { HALVINGS = 22 };
 VV_INLINE vf cubic_inside(const surface_side *side, const packet *r, const vvi_march_volume *f, vf s, vm m)
 {
     const vf3 p = packet_point(r, s);
-    vf value;
-    vf3 unused;
-    cubic_sample(&value, &unused, &f->sampler.lattice, &p, m);
-    return (value - side->target) * side->sign;
+    return (cubic_value(&f->sampler.lattice, &p, m) - side->target) * side->sign;
 }
 
 VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet *r, const vvi_march_volume *f,
@@ -45,18 +42,15 @@ VV_INLINE void surface_cubic_cell(surface_state *st, const walk *w, const packet
 
 VV_INLINE void surface_cubic_march(surface_state *st, const packet *r, const vvi_march_volume *f)
 {
-    vf v0;
-    vf3 unused;
-    cubic_sample(&v0, &unused, &f->sampler.lattice, &r->start, packet_promising(r));
+    const vf v0 = cubic_value(&f->sampler.lattice, &r->start, packet_promising(r));
     surface_walk(st, r, f, v0, VVI_SAMPLE_F32, false, surface_cubic_cell);
 }
 
 VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const vvi_march_volume *f, vf rgb[3])
 {
     const vf3 p = packet_point(r, st->s);
-    vf unused;
     vf3 g;
-    cubic_sample(&unused, &g, &f->sampler.lattice, &p, st->hit);
+    cubic_gradient(&g, &f->sampler.lattice, &p, st->hit);
     g = world_gradient(f, g);
     if (vm_any(st->flat)) {
         const vf3 e = entry_gradient(r, f, st->flat);

@@ -18,6 +18,7 @@ enum { VVI_ENTRY_SPLIT = 2 };
 typedef struct vvi_sampler {
     vvi_lattice lattice;
     bool nearest;       /**< the value of the nearest sample, not interpolated */
+    bool cubic;         /**< by a spline whose coefficients the lattice has (cubic_spline.h) */
     bool cell_gradient; /**< gradients are those of cells, not central differences */
     double world_to_index[3][4];
     float index_to_world[3][4];
@@ -26,6 +27,13 @@ typedef struct vvi_sampler {
     size_t n_planes;
     double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
 } vvi_sampler;
+
+/** How kernels take samples: VVI_SAMPLE_* of the lattice (vvi_lattice_kernel), or by splines. */
+enum { VVI_RAY_CUBIC = VVI_SAMPLE_KERNELS, VVI_RAY_SAMPLERS };
+static inline int vvi_march_sampler(const vvi_sampler *s)
+{
+    return s->cubic ? VVI_RAY_CUBIC : vvi_lattice_kernel(&s->lattice);
+}
 
 /** What can be jumped. */
 typedef struct vvi_skipper {
@@ -36,13 +44,36 @@ typedef struct vvi_skipper {
     const vvi_parc *parc; /**< where rays of the eye meet boxes in which something is visible; NULL: not known */
 } vvi_skipper;
 
+/** How values become colour and optical depth. */
+typedef enum vvi_classify {
+    VVI_CLASSIFY_TABLE,      /**< the table's row of the value in the middle of a step */
+    VVI_CLASSIFY_INTEGRATED, /**< the mean over all values from the front to the back of a step */
+    VVI_CLASSIFY_PLANE,      /**< by value and length of the gradient */
+    VVI_CLASSIFY_LABELS      /**< the table's row of the label that has most weight */
+} vvi_classify;
+
 /** What a value is seen as: entry = trunc(stored * entry_scale + entry_shift), clamped to [0, last_place]. An entry
  * that is split has entries of its own, evenly spaced over the places from it to the next. */
 typedef struct vvi_classifier {
+    int kind;
     const float *alpha; /**< opacity of one step, by entry; split: the first of its own + VVI_ENTRY_SPLIT */
+    const float *seen;  /**< r, g, b, that opacity, by entry; split: how many, -, -, as above */
     const float *color; /**< r, g, b, optical depth of one step, by entry; split: how many, -, -, -alpha */
     float entry_scale, entry_shift;
     float last_place; /**< a hair below the number of entries that are not of others */
+    /* integrated: place = stored * row_scale + row_shift; row i holds for places from i to i + 1, the first and the
+     * last beyond them too. Optical depth of a full step times red, green, blue, and alone. */
+    float row_scale, row_shift;
+    int32_t n_rows;
+    const int32_t *sum; /**< n_rows + 1 rows of 4: integrals from place 0, in units of sum_unit */
+    const float *mean;  /**< n_rows rows of 4 */
+    float sum_unit[4];
+    /* optical depth times min(gradient * modulate_scale, 1) ^ modulate_power; power 0: as it is */
+    float modulate_scale, modulate_power;
+    /* plane: column = stored * plane_scale + plane_shift, row = gradient * plane_gradient */
+    const float *plane, *plane_any; /**< by column: whether it or the next has any */
+    float plane_scale, plane_shift, plane_gradient;
+    float label_range; /**< labels: the gradient of one of them is made this much longer, as if it were a value */
 } vvi_classifier;
 
 /** What a projection makes one value of each ray by, in stored numbers. */
@@ -102,5 +133,14 @@ typedef struct vvi_march_volume {
     float steps;                       /**< about how many the longest ray has */
     float opaque;                      /**< a ray ends when less transmittance than this is left */
 } vvi_march_volume;
+
+/** Several volumes along one ray. */
+enum { VVI_BLEND_VOLUMES = 8 };
+typedef struct vvi_blend_setup {
+    vvi_march_volume volume[VVI_BLEND_VOLUMES];
+    size_t n_volumes; /**< at least 1; all have the same view, step and `opaque` */
+    double step;
+    float opaque; /**< a ray ends when less transmittance than this is left */
+} vvi_blend_setup;
 
 #endif

@@ -107,6 +107,12 @@ static vv_status choose_actor(vvi_raycast_volume *v, const vv_actor *actor, cons
     return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
 }
 
+/* Whether colours are more than the table says. */
+static bool takes_light(const vvi_march_volume *f)
+{
+    return f->light.shaded || f->paint.kind != VVI_PAINT_NONE || f->texture;
+}
+
 /* What the kernel that draws a volume by itself does. */
 static int kernel_of(const vvi_raycast_volume *v, int mode)
 {
@@ -122,13 +128,13 @@ static int kernel_of(const vvi_raycast_volume *v, int mode)
     case VVI_RAYCAST_LOCAL_MAXIMUM:
         return VVI_RAY_LOCAL_MAXIMUM;
     default:
-        return v->blend.ray.light.shaded ? VVI_RAY_COMPOSITE_SHADED : VVI_RAY_COMPOSITE;
+        return takes_light(&v->ray) ? VVI_RAY_COMPOSITE_LIT : VVI_RAY_COMPOSITE;
     }
 }
 
 static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_ray_kernels *k)
 {
-    if (v->solid && v->blend.cubic)
+    if (v->solid && v->ray.sampler.cubic)
         return k->surface_cubic;
     return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)];
 }
@@ -150,8 +156,8 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     vv_status st = vvi_raycast_open_volume(v, scene, step, job);
     if (st != VV_OK)
         return st;
-    v->blend.ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
-    v->blend.ray.sampler.cell_gradient =
+    v->ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
+    v->ray.sampler.cell_gradient =
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);
     v->visible = true;
@@ -165,7 +171,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         st = vvi_raycast_find_paint(v, job);
     if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !vvi_raycast_projects(p->mode)) {
         st = vvi_texture_open(&v->texture, v->actor, scene, job);
-        v->blend.ray.texture = &v->texture;
+        v->ray.texture = &v->texture;
     }
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
@@ -187,11 +193,11 @@ static void choose_clouds(vvi_raycast_state *s)
             continue;
         }
         any |= v->visible;
-        f->volume[f->n_volumes++] = v->blend; /* steps begin where the first volume does, seen or not */
+        f->volume[f->n_volumes++] = v->ray; /* steps begin where the first volume does, seen or not */
         s->cloud = v->kernel && f->n_volumes == 1 ? v : NULL;
     }
-    f->step = s->volume[0].blend.ray.step;
-    f->opaque = s->volume[0].blend.ray.opaque;
+    f->step = s->volume[0].ray.step;
+    f->opaque = s->volume[0].ray.opaque;
     if (s->cloud || !any)
         f->n_volumes = 0;
     if (!any)
@@ -213,7 +219,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         const vv_status st = prepare_volume(v, scene, step, job);
         if (st != VV_OK)
             return st;
-        if (v->solid || !vvi_raycast_needs_blend(v))
+        if (v->solid || !vvi_raycast_needs_more(v))
             v->kernel = own_kernel(v, p->mode, k);
     }
     choose_clouds(s);
@@ -266,6 +272,7 @@ void vvi_raycast_finish(void *state)
         vvi_cache_release(v->minmax);
         vvi_lattice_close(&v->hold);
         vvi_free(v->alpha);
+        vvi_free(v->seen);
         vvi_free(v->color);
         vvi_cache_release(v->ids);
         vv_field_release((vv_field *)v->halved.field);

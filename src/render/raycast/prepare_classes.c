@@ -10,9 +10,11 @@ enum { GUARD_FLOATS = 16 };
 
 static void put_row(vvi_raycast_volume *v, size_t i, const float rgbk[4])
 {
-    const double depth = (double)rgbk[3] * v->blend.ray.step;
+    const double depth = (double)rgbk[3] * v->ray.step;
     v->alpha[i] = (float)-expm1(-depth);
     memcpy(v->color + 4 * i, rgbk, 3 * sizeof *v->color);
+    memcpy(v->seen + 4 * i, rgbk, 3 * sizeof *v->seen);
+    v->seen[4 * i + 3] = v->alpha[i];
     v->color[4 * i + 3] = (float)depth;
 }
 
@@ -20,7 +22,8 @@ static void put_row(vvi_raycast_volume *v, size_t i, const float rgbk[4])
 static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t parts)
 {
     v->alpha[i] = (float)(first + VVI_ENTRY_SPLIT);
-    v->color[4 * i] = (float)parts;
+    v->color[4 * i] = v->seen[4 * i] = (float)parts;
+    v->seen[4 * i + 3] = v->alpha[i];
     v->color[4 * i + 3] = -v->alpha[i];
 }
 
@@ -29,18 +32,20 @@ static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t 
 static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, const vvi_transfer_fine *fine,
                             vv_job *job)
 {
-    vvi_march_volume *f = &v->blend.ray;
+    vvi_march_volume *f = &v->ray;
     const size_t rows = table->n + fine->n_rows;
     v->alpha = vvi_alloc(job, (rows + GUARD_FLOATS) * sizeof *v->alpha, VVI_MEM_SCRATCH);
+    v->seen = vvi_alloc(job, rows * 4 * sizeof *v->seen, VVI_MEM_SCRATCH);
     v->color = vvi_alloc(job, (rows * 4 + GUARD_FLOATS) * sizeof *v->color, VVI_MEM_SCRATCH);
-    if (!v->alpha || !v->color)
-        return vv_fail_memory(rows * 5 * sizeof(float));
+    if (!v->alpha || !v->seen || !v->color)
+        return vv_fail_memory(rows * 9 * sizeof(float));
     for (size_t i = 0; i < rows; i++)
         put_row(v, i, i < table->n ? table->rgbk + 4 * i : fine->rgbk + 4 * (i - table->n));
     for (size_t i = 0; i < table->n && fine->n_rows; i++)
         if (fine->parts[i])
             put_split(v, i, fine->first[i], fine->parts[i]);
     f->classifier.alpha = v->alpha;
+    f->classifier.seen = v->seen;
     f->classifier.color = v->color;
     f->classifier.last_place = nextafterf((float)table->n, 0);
     f->classifier.entry_scale = (float)(v->hold.value_scale * table->scale);
@@ -51,7 +56,7 @@ static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *tab
 /* The same for steps from one value to another. */
 static vv_status copy_integral(vvi_raycast_volume *v, vvi_transfer_table *table, vv_job *job)
 {
-    vvi_blend_volume *b = &v->blend;
+    vvi_classifier *c = &v->ray.classifier;
     v->integral = vvi_alloc_zeroed(job, sizeof *v->integral, VVI_MEM_SCRATCH);
     if (!v->integral)
         return vv_fail_memory(sizeof *v->integral);
@@ -59,33 +64,34 @@ static vv_status copy_integral(vvi_raycast_volume *v, vvi_transfer_table *table,
     if (st != VV_OK)
         return st;
     for (size_t i = 0; i < 4 * v->integral->n; i++)
-        v->integral->mean[i] = (float)((double)v->integral->mean[i] * b->ray.step);
-    for (int c = 0; c < 4; c++)
-        b->sum_unit[c] = (float)(v->integral->unit[c] * b->ray.step);
-    b->classify = VVI_CLASSIFY_INTEGRATED;
-    b->mean = v->integral->mean;
-    b->sum = v->integral->sum;
-    b->n_rows = (int32_t)v->integral->n;
-    b->row_scale = (float)(v->hold.value_scale * table->scale);
-    b->row_shift = (float)(v->hold.value_offset * table->scale + table->offset);
+        v->integral->mean[i] = (float)((double)v->integral->mean[i] * v->ray.step);
+    for (int i = 0; i < 4; i++)
+        c->sum_unit[i] = (float)(v->integral->unit[i] * v->ray.step);
+    c->kind = VVI_CLASSIFY_INTEGRATED;
+    c->mean = v->integral->mean;
+    c->sum = v->integral->sum;
+    c->n_rows = (int32_t)v->integral->n;
+    c->row_scale = (float)(v->hold.value_scale * table->scale);
+    c->row_shift = (float)(v->hold.value_offset * table->scale + table->offset);
     return VV_OK;
 }
 
 /* The same by value and gradient. */
 static vv_status copy_plane(vvi_raycast_volume *v, vvi_transfer_table *columns, vv_job *job)
 {
-    vvi_blend_volume *b = &v->blend;
+    vvi_classifier *c = &v->ray.classifier;
     const vv_status st = vvi_transfer_plane_init(&v->plane, columns, &v->actor->classes, job);
     if (st != VV_OK)
         return st;
     const double unit = fabs(v->gradient_unit / v->hold.value_scale), top = v->plane.top * unit;
     for (size_t i = 0; i < (size_t)VVI_PLANE_SIDE * VVI_PLANE_SIDE * 4; i++)
-        v->plane.rgbk[i] = (float)((double)v->plane.rgbk[i] * b->ray.step);
-    b->classify = VVI_CLASSIFY_PLANE;
-    b->plane = v->plane.rgbk;
-    b->plane_scale = (float)(v->hold.value_scale * columns->scale);
-    b->plane_shift = (float)(v->hold.value_offset * columns->scale + columns->offset);
-    b->plane_gradient = top > 0 ? (float)fmin((VVI_PLANE_SIDE - 1) / top, 1e30) : 1e30f;
+        v->plane.rgbk[i] = (float)((double)v->plane.rgbk[i] * v->ray.step);
+    c->kind = VVI_CLASSIFY_PLANE;
+    c->plane = v->plane.rgbk;
+    c->plane_any = v->plane.any;
+    c->plane_scale = (float)(v->hold.value_scale * columns->scale);
+    c->plane_shift = (float)(v->hold.value_offset * columns->scale + columns->offset);
+    c->plane_gradient = top > 0 ? (float)fmin((VVI_PLANE_SIDE - 1) / top, 1e30) : 1e30f;
     return VV_OK;
 }
 
@@ -104,8 +110,8 @@ static void find_modulation(vvi_raycast_volume *v)
     if (!(c->gradient_power > 0))
         return;
     const double reference = c->gradient_reference * fabs(v->gradient_unit / v->hold.value_scale);
-    v->blend.modulate_scale = reference > 0 ? (float)fmin(1 / reference, 1e30) : 1e30f;
-    v->blend.modulate_power = (float)c->gradient_power;
+    v->ray.classifier.modulate_scale = reference > 0 ? (float)fmin(1 / reference, 1e30) : 1e30f;
+    v->ray.classifier.modulate_power = (float)c->gradient_power;
 }
 
 vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job)
@@ -127,31 +133,30 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
     n = actor->nearest || labels ? n : vvi_transfer_finer(n, lo, hi, info);
     if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) == VV_OK &&
         actor->classes.kind == VV_SEGMENT_TRANSFER)
-        st = vvi_transfer_fine_init(&fine, table, &actor->classes, v->blend.ray.step, job);
+        st = vvi_transfer_fine_init(&fine, table, &actor->classes, v->ray.step, job);
     if (st == VV_OK)
         st = copy_table(v, table, &fine, job);
     vvi_transfer_fine_finish(&fine);
     if (st != VV_OK)
         return st;
     if (composite && labels && !actor->nearest) {
-        v->blend.classify = VVI_CLASSIFY_LABELS;
-        v->blend.label_range = (float)(vvi_actor_voxel(actor) / v->gradient_unit);
+        v->ray.classifier.kind = VVI_CLASSIFY_LABELS;
+        v->ray.classifier.label_range = (float)(vvi_actor_voxel(actor) / v->gradient_unit);
     }
     return wants_integral(actor, scene) ? copy_integral(v, table, job) : VV_OK;
 }
 
-bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
+bool vvi_raycast_needs_more(const vvi_raycast_volume *v)
 {
-    const vvi_blend_volume *b = &v->blend;
-    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic ||
-           b->ray.paint.kind != VVI_PAINT_NONE || b->ray.texture;
+    const vvi_march_volume *f = &v->ray;
+    return f->classifier.kind != VVI_CLASSIFY_TABLE || f->classifier.modulate_power > 0 || f->sampler.cubic;
 }
 
 void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
-    vvi_march_volume *f = &v->blend.ray;
+    vvi_march_volume *f = &v->ray;
     const double scale = v->hold.value_scale, offset = v->hold.value_offset;
     const double threshold = vv_object_is_set(&p->base, "threshold") ? p->threshold : actor->iso;
     vv_vec3 corner = {0, 0, 0}; /* the longest of the four diagonals */
@@ -175,7 +180,7 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
-    vvi_march_volume *f = &v->blend.ray;
+    vvi_march_volume *f = &v->ray;
     double from, to;
     vvi_raycast_solid(&from, &to, p, actor);
     const double a = (from - v->hold.value_offset) / v->hold.value_scale;

@@ -12,7 +12,7 @@ enum { ROWS = VVI_TRANSFER_ROWS, GUARD_FLOATS = 16 };
 static vv_status open_colors(vvi_raycast_volume *v, vv_job *job)
 {
     const vv_actor *actor = v->actor;
-    vvi_paint *paint = &v->blend.ray.paint;
+    vvi_paint *paint = &v->ray.paint;
     vvi_lattice *g = &paint->lattice;
     *g = v->hold.lattice;
     if (g->slice * g->n[2] > MOST_COLORS)
@@ -40,7 +40,7 @@ static vv_status make_map(vvi_raycast_volume *v, vv_job *job)
     const double most = fmax(fabs(lo - v->paint.value_offset), fabs(hi - v->paint.value_offset));
     vvi_transfer_around(&lo, &hi, ROWS, vvi_transfer_least_row(most, fabs(v->paint.value_scale)));
     const double scale = (ROWS - 1) / (hi - lo);
-    vvi_paint *paint = &v->blend.ray.paint;
+    vvi_paint *paint = &v->ray.paint;
     v->paint_color = vvi_alloc(job, (ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color, VVI_MEM_SCRATCH);
     if (!v->paint_color)
         return vv_fail_memory((ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color);
@@ -60,7 +60,7 @@ static vv_status make_map(vvi_raycast_volume *v, vv_job *job)
 static vv_status open_map(vvi_raycast_volume *v, vv_job *job)
 {
     const vv_paint *from = &v->actor->paint;
-    vvi_paint *paint = &v->blend.ray.paint;
+    vvi_paint *paint = &v->ray.paint;
     vv_affine inverse;
     if (!vv_affine_invert(&inverse, from->index_to_world))
         return vv_fail(VV_E_ARGUMENT, "volumes.%s.paint.data: its grid is flat: its matrix has no inverse",

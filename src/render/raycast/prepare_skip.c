@@ -55,15 +55,15 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
  * more of the coefficients. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
-    const vvi_march_volume *f = &v->blend.ray;
+    const vvi_march_volume *f = &v->ray;
     double most = 0;
-    if (v->blend.classify != VVI_CLASSIFY_INTEGRATED && !v->blend.cubic)
+    if (v->ray.classifier.kind != VVI_CLASSIFY_INTEGRATED && !v->ray.sampler.cubic)
         return 0;
-    for (int a = 0; a < 3 && v->blend.classify == VVI_CLASSIFY_INTEGRATED; a++) {
+    for (int a = 0; a < 3 && v->ray.classifier.kind == VVI_CLASSIFY_INTEGRATED; a++) {
         const double *m = f->sampler.world_to_index[a];
         most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
     }
-    most += v->blend.cubic ? 1 : 0;                                /* a cubic's outer coefficients */
+    most += v->ray.sampler.cubic ? 1 : 0;                          /* a cubic's outer coefficients */
     return (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20); /* a hundredth: places are floats */
 }
 
@@ -81,7 +81,7 @@ static uint64_t hash_visibility(const visibility *v)
 
 static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfer_table *table)
 {
-    const vvi_march_volume *f = &v->blend.ray;
+    const vvi_march_volume *f = &v->ray;
     return (visibility){table, v->hold.value_scale, v->hold.value_offset, f->solid.lo, f->solid.hi};
 }
 
@@ -89,7 +89,7 @@ static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfe
 static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_job *job)
 {
     const int64_t *n = v->hold.brick.box.n;
-    const char *what = v->blend.cubic ? "minmax cubic" : "minmax";
+    const char *what = v->ray.sampler.cubic ? "minmax cubic" : "minmax";
     /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
     const int shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
     *key_out = vvi_minmax_key(what, v->actor->field, v->actor->component, shift);
@@ -98,7 +98,7 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
 
 vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
 {
-    vvi_march_volume *f = &volume->blend.ray;
+    vvi_march_volume *f = &volume->ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);
@@ -113,7 +113,8 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     }
     skip_request sr = {m, &v, find_reach(volume, m->shift)};
     const uint64_t reach = vvi_hash(&sr.reach, sizeof sr.reach, hash_visibility(&v));
-    const vvi_cache_key skip_key = {volume->blend.cubic ? "skip cubic" : "skip", key.identity, reach ^ key.parameters};
+    const vvi_cache_key skip_key = {volume->ray.sampler.cubic ? "skip cubic" : "skip", key.identity,
+                                    reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);
@@ -147,7 +148,7 @@ static vv_status make_boxes(void **value_out, uint64_t *bytes_out, void *user, v
 vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *scene, const vvi_transfer_table *table,
                                  vv_job *job)
 {
-    vvi_march_volume *f = &volume->blend.ray;
+    vvi_march_volume *f = &volume->ray;
     const visibility v = find_visibility(volume, table);
     vvi_cache_key key;
     vv_status st = get_minmax(volume, &key, job);
@@ -156,7 +157,7 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
     skip_request r = {m, &v, find_reach(volume, m->shift)};
     const uint64_t reach = vvi_hash(&r.reach, sizeof r.reach, hash_visibility(&v));
-    const vvi_cache_key boxes_key = {volume->blend.cubic ? "boxes cubic" : "boxes", key.identity,
+    const vvi_cache_key boxes_key = {volume->ray.sampler.cubic ? "boxes cubic" : "boxes", key.identity,
                                      reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->boxes, &boxes_key, make_boxes, vvi_boxes_free, &r, job)) != VV_OK)
         return st;
@@ -174,7 +175,7 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
         .index_to_world = volume->actor->index_to_world,
         .lo = {f->sampler.lo[0], f->sampler.lo[1], f->sampler.lo[2]},
         .hi = {f->sampler.hi[0], f->sampler.hi[1], f->sampler.hi[2]},
-        .before = volume->blend.nearest ? 0.5 : 0,
+        .before = volume->ray.sampler.nearest ? 0.5 : 0,
     };
     if ((st = vvi_parc_init(&volume->parc, boxes, &view, job)) == VV_OK)
         f->skipper.parc = &volume->parc;

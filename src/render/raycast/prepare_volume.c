@@ -71,7 +71,7 @@ static void scale_gradients(vvi_raycast_volume *v)
 {
     const vv_actor *actor = v->actor;
     const double value_scale = v->hold.value_scale;
-    vvi_march_volume *f = &v->blend.ray;
+    vvi_march_volume *f = &v->ray;
     const double all = (actor->statistics->max - actor->statistics->min) / value_scale;
     const double seen = vvi_shade_range(actor) / fabs(value_scale);
     const double range = copysign(fmax(seen, fabs(all) * LEAST_SHARE), all);
@@ -129,7 +129,7 @@ static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scen
 vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vv_actor *actor = v->actor;
-    vvi_march_volume *f = &v->blend.ray;
+    vvi_march_volume *f = &v->ray;
     vv_status st = check_interpolation(actor, scene);
     if (st != VV_OK)
         return st;
@@ -140,8 +140,8 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     f->sampler.lattice = v->hold.lattice;
     f->step = step;
     f->light.cap_depth = (float)fmax(1, vvi_actor_voxel(actor) / step);
-    v->blend.nearest = f->sampler.nearest = actor->nearest;
-    v->blend.cubic = actor->cubic;
+    v->ray.sampler.nearest = actor->nearest;
+    v->ray.sampler.cubic = actor->cubic;
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;
     scale_gradients(v);

@@ -82,7 +82,7 @@ static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_stat
         if (!s->volume[v].solid || !s->volume[v].visible)
             continue;
         vvi_sink *found = first ? near : &other;
-        s->volume[v].kernel(found, &s->volume[v].blend.ray, rays, counts);
+        s->volume[v].kernel(found, &s->volume[v].ray, rays, counts);
         for (size_t i = 0; i < rays->n; i++) {
             if (!first && other.depth[i] < near->depth[i]) {
                 near->depth[i] = other.depth[i];
@@ -134,7 +134,7 @@ static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
 static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
 {
     if (s->cloud)
-        s->cloud->kernel(out, &s->cloud->blend.ray, rays, counts);
+        s->cloud->kernel(out, &s->cloud->ray, rays, counts);
     else if (s->blend.n_volumes)
         s->kernels->blend(out, &s->blend, rays, counts);
     return s->cloud || s->blend.n_volumes;
@@ -230,7 +230,7 @@ static int32_t piece_size(const vvi_raycast_state *s)
 {
     float steps = 0;
     for (size_t i = 0; i < s->n_volumes; i++)
-        steps += s->volume[i].blend.ray.steps;
+        steps += s->volume[i].ray.steps;
     return steps > 16384 ? 4 : PIECE;
 }
 

@@ -4,7 +4,8 @@
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
 #include "render/common/texture.h"
-#include "render/march/blend_kernel.h"
+#include "render/common/transfer_plane.h"
+#include "render/march/kernels.h"
 #include "render/raycast/mesh_rays.h"
 #include <volvis/model.h>
 
@@ -47,14 +48,14 @@ typedef struct vvi_raycast_volume {
     vv_actor halved;       /**< that with fewer samples, or with numbers for labels; its field is the volume's own. NULL
                                 field: none */
     struct vvi_cached *ids; /**< which labels the numbers stand for; NULL: labels are as they are */
-    vvi_blend_volume blend; /**< blend.ray is all that the kernels of one volume get */
-    vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only the blend shows it */
+    vvi_march_volume ray;   /**< all that kernels get */
+    vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only that of several shows it */
     bool solid;             /**< seen as a surface */
     bool visible;           /**< some block of it may show something */
     vvi_lattice_hold hold;
     struct vvi_cached *minmax, *skip, *boxes;
     vvi_parc parc;
-    float *alpha, *color;
+    float *alpha, *seen, *color;
     struct vvi_transfer_integral *integral; /**< NULL: none */
     vvi_transfer_plane plane;
     struct vvi_cached *colors; /**< the volume's own, as a vv_field */

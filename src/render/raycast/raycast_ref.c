@@ -16,7 +16,7 @@ static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards, bool by_cut)
 
 bool vvi_ref_clip(vvi_ref_ray *r)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     r->t0 = 0;
     r->by_cut = false;
     r->t1 = INFINITY;
@@ -53,7 +53,7 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     vv_vec3 g = vvi_scaled(vvi_ref_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     if (!facing && f->light.capped && r->by_cut && t - r->t0 < (double)f->light.cap_depth * f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     vv_actor actor = *r->volume->actor;
@@ -81,7 +81,7 @@ int64_t vvi_ref_row(const vvi_march_volume *f, double value)
 
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     double clear = 1;
     for (int64_t k = 0; clear > f->opaque; k++) {
         const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
@@ -98,6 +98,8 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
             continue;
         double color[3] = {(double)f->classifier.color[4 * e], (double)f->classifier.color[4 * e + 1],
                            (double)f->classifier.color[4 * e + 2]};
+        vvi_ref_paint(color, r, t);
+        vvi_ref_texture(color, r, t);
         if (f->light.shaded)
             vvi_ref_shade(color, r, t, color, false);
         for (int c = 0; c < 3; c++)
@@ -120,7 +122,7 @@ static void store_value(double rgba[4], const vvi_march_volume *f, double stored
 /* The extreme data value; or, with a threshold, the first that is above it and followed by a smaller one. */
 static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double sign, double threshold)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     const double order = sign * (r->volume->hold.value_scale < 0 ? -1 : 1);
     double best = -INFINITY;
     const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
@@ -140,7 +142,7 @@ static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double
 /* The integral of the data value, over the ray's own length or that of the longest, by the midpoint rule. */
 static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     const double scale = r->volume->hold.value_scale, offset = r->volume->hold.value_offset;
     double sum = 0, length = 0;
     for (int64_t k = 0;; k++) {
@@ -160,7 +162,7 @@ static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 
 static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mode)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     if (mode == VVI_RAYCAST_MEAN || mode == VVI_RAYCAST_SUM)
         average(rgba, r, mode == VVI_RAYCAST_SUM);
     else if (mode == VVI_RAYCAST_LOCAL_MAXIMUM)
@@ -172,7 +174,7 @@ static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mod
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
 void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     const double fine = f->step / 24;
     double before = r->t0, t = r->t0;
     for (;; t += fine) {

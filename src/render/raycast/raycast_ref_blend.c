@@ -23,7 +23,7 @@ static void find_behind(double rgba[4], double *depth, const vvi_raycast_state *
 /* Extinction and colour by the value in the middle: a row of the frame's table, which has tests of its own. */
 static double by_table(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_march_volume *f = &r->volume->blend.ray;
+    const vvi_march_volume *f = &r->volume->ray;
     const double value = vvi_ref_value(r, t);
     if (!isfinite(value))
         return 0;
@@ -51,24 +51,24 @@ static double by_integral(double rgb[3], const vvi_ref_ray *r, double from, doub
 /* By value and length of the gradient: four numbers of the frame's own plane, which has tests of its own. */
 static double by_plane(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_blend_volume *b = &r->volume->blend;
+    const vvi_march_volume *f = &r->volume->ray;
     const double value = vvi_ref_value(r, t), length = vvi_length(vvi_ref_gradient(r, t));
     const double unit = fabs(r->volume->gradient_unit), last = VVI_PLANE_SIDE - 1;
     if (!isfinite(value))
         return 0;
-    const double x = fmin(fmax(value * (double)b->plane_scale + (double)b->plane_shift, 0), last);
-    const double y = fmin(length * unit * (double)b->plane_gradient, last);
+    const double x = fmin(fmax(value * (double)f->classifier.plane_scale + (double)f->classifier.plane_shift, 0), last);
+    const double y = fmin(length * unit * (double)f->classifier.plane_gradient, last);
     const size_t i = (size_t)fmin(x, last - 1), j = (size_t)fmin(y, last - 1);
     const double fx = x - (double)i, fy = y - (double)j;
     double sum[4];
     for (size_t c = 0; c < 4; c++) {
-        const float *at = b->plane + 4 * (j * VVI_PLANE_SIDE + i) + c, *above = at + 4 * VVI_PLANE_SIDE;
+        const float *at = f->classifier.plane + 4 * (j * VVI_PLANE_SIDE + i) + c, *above = at + 4 * VVI_PLANE_SIDE;
         const double below = (double)at[0] + fx * ((double)at[4] - (double)at[0]);
         sum[c] = below + fy * ((double)above[0] + fx * ((double)above[4] - (double)above[0]) - below);
     }
     for (int c = 0; c < 3; c++)
         rgb[c] = sum[3] > 0 ? sum[c] / sum[3] : 0;
-    return sum[3] / b->ray.step;
+    return sum[3] / f->step;
 }
 
 /* What a gradient leaves of the extinction (after Levoy 1988). */
@@ -83,17 +83,17 @@ static double modulation(const vvi_ref_ray *r, double t)
 /* Optical depth and colour of one volume over [from, to]. */
 static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to)
 {
-    const vvi_blend_volume *b = &r->volume->blend;
+    const vvi_march_volume *f = &r->volume->ray;
     const double t = (from + to) / 2;
-    double kappa = b->classify == VVI_CLASSIFY_INTEGRATED ? by_integral(rgb, r, from, to)
-                   : b->classify == VVI_CLASSIFY_PLANE    ? by_plane(rgb, r, t)
-                                                          : by_table(rgb, r, t);
+    double kappa = f->classifier.kind == VVI_CLASSIFY_INTEGRATED ? by_integral(rgb, r, from, to)
+                   : f->classifier.kind == VVI_CLASSIFY_PLANE    ? by_plane(rgb, r, t)
+                                                                 : by_table(rgb, r, t);
     vvi_ref_paint(rgb, r, t);
     vvi_ref_texture(rgb, r, t);
-    if (kappa > 0 && b->modulate_power > 0)
+    if (kappa > 0 && f->classifier.modulate_power > 0)
         kappa *= modulation(r, t);
     const double color[3] = {rgb[0], rgb[1], rgb[2]};
-    if (kappa > 0 && b->ray.light.shaded)
+    if (kappa > 0 && f->light.shaded)
         vvi_ref_shade(rgb, r, t, color, false);
     return kappa * (to - from);
 }

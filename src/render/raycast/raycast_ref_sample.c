@@ -132,40 +132,39 @@ static void index_point(double p[3], const vvi_ref_ray *r, double t)
 {
     const vv_vec3 w = world_point(r, t);
     for (int a = 0; a < 3; a++) {
-        const double *m = r->volume->blend.ray.sampler.world_to_index[a];
+        const double *m = r->volume->ray.sampler.world_to_index[a];
         p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
     }
 }
 
 double vvi_ref_value(const vvi_ref_ray *r, double t)
 {
-    const vvi_blend_volume *b = &r->volume->blend;
+    const vvi_march_volume *f = &r->volume->ray;
     double p[3];
     index_point(p, r, t);
-    if (b->classify == VVI_CLASSIFY_LABELS)
-        return winning_label(&b->ray.sampler.lattice, p);
-    return b->cubic ? vvi_cubic_at(&b->ray.sampler.lattice, p, -1)
-                    : interpolate(&(samples){&b->ray.sampler.lattice, NAN}, b->nearest, p, -1);
+    if (f->classifier.kind == VVI_CLASSIFY_LABELS)
+        return winning_label(&f->sampler.lattice, p);
+    return f->sampler.cubic ? vvi_cubic_at(&f->sampler.lattice, p, -1)
+                            : interpolate(&(samples){&f->sampler.lattice, NAN}, f->sampler.nearest, p, -1);
 }
 
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
 {
-    const vvi_blend_volume *b = &r->volume->blend;
-    const vvi_march_volume *f = &b->ray;
+    const vvi_march_volume *f = &r->volume->ray;
     const vv_statistics *range = r->volume->actor->statistics;
     samples s = {&f->sampler.lattice, NAN};
     double p[3], g[3], w[3], scale = 1;
     index_point(p, r, t);
-    if (b->classify ==
+    if (f->classifier.kind ==
         VVI_CLASSIFY_LABELS) { /* as long as if the label were the largest value, and all else the least */
         s.label = winning_label(s.g, p);
         scale = (range->max - range->min) / r->volume->hold.value_scale;
     }
     for (int a = 0; a < 3; a++)
-        g[a] = scale * (b->cubic ? vvi_cubic_at(s.g, p, a)
-                        : f->sampler.cell_gradient && b->classify != VVI_CLASSIFY_LABELS
-                            ? cell_difference(s.g, b->nearest, p, a)
-                            : interpolate(&s, b->nearest, p, a));
+        g[a] = scale * (f->sampler.cubic ? vvi_cubic_at(s.g, p, a)
+                        : f->sampler.cell_gradient && f->classifier.kind != VVI_CLASSIFY_LABELS
+                            ? cell_difference(s.g, f->sampler.nearest, p, a)
+                            : interpolate(&s, f->sampler.nearest, p, a));
     for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
         w[a] = f->sampler.world_to_index[0][a] * g[0] + f->sampler.world_to_index[1][a] * g[1] +
                f->sampler.world_to_index[2][a] * g[2];
@@ -209,7 +208,7 @@ static void mapped_colors(double rgb[3], const vvi_paint *paint, const vv_paint 
 
 void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    const vvi_paint *paint = &r->volume->blend.ray.paint;
+    const vvi_paint *paint = &r->volume->ray.paint;
     double p[3];
     index_point(p, r, t);
     if (paint->kind == VVI_PAINT_COLORS)
@@ -220,7 +219,7 @@ void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
 
 void vvi_ref_texture(double rgb[3], const vvi_ref_ray *r, double t)
 {
-    if (r->volume->blend.ray.texture)
+    if (r->volume->ray.texture)
         vvi_texture_ref(rgb, &r->volume->texture, &r->volume->actor->texture, &r->scene->lens, r->scene->height,
                         world_point(r, t), t);
 }

@@ -436,13 +436,13 @@ typedef struct spline {
 static void open_spline(spline *s, const vv_field *field)
 {
     memset(s, 0, sizeof *s);
-    vvi_march_volume *f = &s->volume.blend.ray;
+    vvi_march_volume *f = &s->volume.ray;
     const int64_t n = vv_field_get_info(field)->grid.dims[0];
     assert_int_equal(vvi_lattice_open_cubic(&s->volume.hold, field, 0, NULL), VV_OK);
     f->sampler.lattice = s->volume.hold.lattice;
     for (int a = 0; a < 3; a++)
         f->sampler.world_to_index[a][a] = f->sampler.world_to_index[a][3] = (double)(n - 1) / 2;
-    s->volume.blend.cubic = true;
+    s->volume.ray.sampler.cubic = true;
     s->actor.statistics = &s->unused;
     s->volume.actor = &s->actor;
     s->ray.volume = &s->volume;

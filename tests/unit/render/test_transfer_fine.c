@@ -87,7 +87,7 @@ static bool at_jump(const sort *s, double stored)
 
 static double error_at(const vvi_raycast_state *state, const vv_classification *classes, const sort *s, double stored)
 {
-    const vvi_march_volume *f = &state->volume[0].blend.ray;
+    const vvi_march_volume *f = &state->volume[0].ray;
     const float v = (float)stored;
     const int64_t row = vvi_ref_row(f, (double)v);
     double want[4], most = 0;

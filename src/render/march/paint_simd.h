@@ -2,10 +2,10 @@
  * Colours of a sample from a lattice of their own: those of an RGB or RGBA volume, or another volume's values through a
  * colour map. For kernels only.
  */
-#ifndef VVI_RENDER_MARCH_BLEND_PAINT_H
-#define VVI_RENDER_MARCH_BLEND_PAINT_H
-#include "render/march/blend_kernel.h"
-#include "render/march/blend_value.h"
+#ifndef VVI_RENDER_MARCH_PAINT_SIMD_H
+#define VVI_RENDER_MARCH_PAINT_SIMD_H
+#include "render/march/kernels.h"
+#include "render/march/value_simd.h"
 
 /** Premultiplied red, green, blue and alpha of one sample, 0 to 65535. */
 VV_INLINE void load_colors(vf out[4], const vvi_lattice *g, vi at, vm m)
@@ -16,12 +16,17 @@ VV_INLINE void load_colors(vf out[4], const vvi_lattice *g, vi at, vm m)
     split_16(VVI_SAMPLE_U16, ba, &out[2], &out[3]);
 }
 
-VV_INLINE void add_colors(vf sum[4], const vvi_lattice *g, vi at, vf weight, vm m)
+/** A row of a cell, interpolated along x: two samples stand in 16 bytes. */
+VV_INLINE void load_color_row(vf out[4], const vvi_lattice *g, vi at, vf fx)
 {
-    vf c[4];
-    load_colors(c, g, at, m);
+    vf two[4], a[4], b[4];
+    vf_rows4(two, g->data, vi_shl(at, 1));
+    split_16(VVI_SAMPLE_U16, vi_bits(two[0]), &a[0], &a[1]);
+    split_16(VVI_SAMPLE_U16, vi_bits(two[1]), &a[2], &a[3]);
+    split_16(VVI_SAMPLE_U16, vi_bits(two[2]), &b[0], &b[1]);
+    split_16(VVI_SAMPLE_U16, vi_bits(two[3]), &b[2], &b[3]);
     for (int i = 0; i < 4; i++)
-        sum[i] = vf_fma(weight, c[i], sum[i]);
+        out[i] = g->n[0] > 1 ? vf_lerp(a[i], b[i], fx) : a[i];
 }
 
 /** Colours of the volume itself: interpolated premultiplied, so that what is clear has no colour to give. */
@@ -35,13 +40,14 @@ static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_paint *p
     if (paint->nearest) {
         load_colors(sum, g, at, m);
     } else {
-        const vi up[3] = {vi_set1(g->n[0] > 1), y_up(g), z_up(g, VVI_SAMPLE_U16)};
-        const vf x[2] = {one - c.fx, c.fx}, y[2] = {one - c.fy, c.fy}, z[2] = {one - c.fz, c.fz};
-        for (int i = 0; i < 8; i++) {
-            const vi none = vi_set1(0);
-            const vi corner = at + (i & 1 ? up[0] : none) + (i & 2 ? up[1] : none) + (i & 4 ? up[2] : none);
-            add_colors(sum, g, corner, x[i & 1] * y[i >> 1 & 1] * z[i >> 2], m);
-        }
+        const vi y = y_up(g), z = z_up(g, VVI_SAMPLE_U16);
+        vf row[4][4];
+        load_color_row(row[0], g, at, c.fx);
+        load_color_row(row[1], g, at + y, c.fx);
+        load_color_row(row[2], g, at + z, c.fx);
+        load_color_row(row[3], g, at + y + z, c.fx);
+        for (int i = 0; i < 4; i++)
+            sum[i] = vf_lerp(vf_lerp(row[0][i], row[1][i], c.fy), vf_lerp(row[2][i], row[3][i], c.fy), c.fz);
     }
     const vf each = one / vf_max(sum[3], vf_set1(1e-20f));
     for (int i = 0; i < 3; i++)

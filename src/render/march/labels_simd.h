@@ -2,31 +2,9 @@
  * Label maps with smooth borders: of the labels around a point the one with the most trilinear weight. For kernels
  * only.
  */
-#ifndef VVI_RENDER_MARCH_BLEND_LABELS_H
-#define VVI_RENDER_MARCH_BLEND_LABELS_H
+#ifndef VVI_RENDER_MARCH_LABELS_SIMD_H
+#define VVI_RENDER_MARCH_LABELS_SIMD_H
 #include "render/march/lattice_simd.h"
-
-static __attribute__((noinline)) void corners_of(vf v[8], const vvi_lattice *g, const cell_at *c, vm m)
-{
-    vf(*corner)[2][2] = (vf(*)[2][2])v;
-    switch (vvi_lattice_kernel(g)) {
-    case VVI_SAMPLE_U8:
-        load_corners(g, VVI_SAMPLE_U8, c, m, corner);
-        break;
-    case VVI_SAMPLE_U16:
-        load_corners(g, VVI_SAMPLE_U16, c, m, corner);
-        break;
-    case VVI_SAMPLE_I16:
-        load_corners(g, VVI_SAMPLE_I16, c, m, corner);
-        break;
-    case VVI_SAMPLE_F32:
-        load_corners(g, VVI_SAMPLE_F32, c, m, corner);
-        break;
-    default:
-        load_corners(g, VVI_SAMPLE_WIDE, c, m, corner);
-        break;
-    }
-}
 
 /** Trilinear weights of a cell's corners, x fastest. */
 VV_INLINE void corner_weights(vf w[8], const cell_at *c)
@@ -37,29 +15,53 @@ VV_INLINE void corner_weights(vf w[8], const cell_at *c)
         w[i] = x[i & 1] * y[i >> 1 & 1] * z[i >> 2];
 }
 
-/** The stored label; of two with the same weight the smaller. */
-VV_INLINE vf winning_label(const vvi_lattice *g, const vf3 *p, vm m)
+/** The sum of the weights of the corners that have a label; in the order of corners, so that it is the same number
+ * whichever of them asks. */
+VV_INLINE vf label_weight(const vf v[8], const vf w[8], vf label)
 {
-    const cell_at c = find_cell(g, *p);
-    vf v[8], w[8], most = vf_set1(-1.0f);
-    corners_of(v, g, &c, m);
-    vm same = m;
-    for (int i = 1; i < 8; i++)
-        same = vm_and(same, vf_eq(v[i], v[0]));
-    vf label = v[0];
-    if (!vm_any(vm_andnot(m, same)))
-        return label;
-    corner_weights(w, &c);
+    vf sum = vf_set1(0.0f);
+    for (int i = 0; i < 8; i++)
+        sum = sum + vf_select(vf_eq(v[i], label), w[i], vf_set1(0.0f));
+    return sum;
+}
+
+/** Of more than two labels. Out of line: only where three meet. */
+static __attribute__((noinline)) vf winner_of_many(const vf v[8], const vf w[8])
+{
+    vf label = v[0], most = vf_set1(-1.0f);
     for (int i = 0; i < 8; i++) {
-        vf sum = vf_set1(0.0f); /* in the order of corners, so that it is the same number for each of a label's */
-        for (int j = 0; j < 8; j++)
-            sum = sum + vf_select(vf_eq(v[j], v[i]), w[j], vf_set1(0.0f));
+        const vf sum = label_weight(v, w, v[i]);
         const vm tie = vm_and(vf_eq(sum, most), vf_lt(v[i], label));
         const vm more = vm_or(vf_lt(most, sum), tie);
         label = vf_select(more, v[i], label);
         most = vf_select(more, sum, most);
     }
     return label;
+}
+
+/** The stored label; of two with the same weight the smaller. */
+VV_INLINE vf winning_label(const vvi_lattice *g, int type, vf3 p, vm m)
+{
+    const cell_at c = find_cell(g, p);
+    vf v[8], w[8];
+    load_corners(g, type, &c, m, (vf(*)[2][2])v);
+    vf low = v[0], high = v[0];
+    for (int i = 1; i < 8; i++) {
+        low = vf_min(low, v[i]);
+        high = vf_max(high, v[i]);
+    }
+    vm one = m, two = m;
+    for (int i = 0; i < 8; i++) { /* never of what is no number */
+        one = vm_and(one, vf_eq(v[i], low));
+        two = vm_and(two, vm_or(vf_eq(v[i], low), vf_eq(v[i], high)));
+    }
+    if (!vm_any(vm_andnot(m, one)))
+        return low;
+    corner_weights(w, &c);
+    const vf of_low = label_weight(v, w, low), of_high = label_weight(v, w, high);
+    const vf winner = vf_select(vf_lt(of_low, of_high), high, low);
+    const vm many = vm_andnot(m, two);
+    return vm_any(many) ? vf_select(many, winner_of_many(v, w), winner) : winner;
 }
 
 VV_INLINE vf is_label(vf v, vf label)

@@ -1,8 +1,8 @@
 /** @file
  * Values and gradients of a lattice whose sample type is known at run time only. For kernels only.
  */
-#ifndef VVI_RENDER_MARCH_BLEND_VALUE_H
-#define VVI_RENDER_MARCH_BLEND_VALUE_H
+#ifndef VVI_RENDER_MARCH_VALUE_SIMD_H
+#define VVI_RENDER_MARCH_VALUE_SIMD_H
 #include "render/march/lattice_simd.h"
 
 #define OUT_OF_LINE static __attribute__((noinline))
