@@ -7,10 +7,13 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 struct vvi_scratch_file {
     vvi_store *store;
+    void *map; /* of n_bytes; NULL: it is not mapped */
+    size_t n_bytes;
 };
 
 static vv_status reserve(const vvi_scratch_file *f, uint64_t bytes)
@@ -32,6 +35,7 @@ vv_status vvi_scratch_file_new(vvi_scratch_file **out, uint64_t bytes, const cha
     if (!f)
         return vv_fail_memory(sizeof *f);
     vv_status st = vvi_store_temporary(&f->store, name, job);
+    f->n_bytes = (size_t)bytes;
     if (st == VV_OK)
         st = reserve(f, bytes);
     if (st != VV_OK) {
@@ -44,9 +48,25 @@ vv_status vvi_scratch_file_new(vvi_scratch_file **out, uint64_t bytes, const cha
 
 void vvi_scratch_file_free(vvi_scratch_file *file)
 {
-    if (file)
-        vvi_store_release(file->store);
+    if (!file)
+        return;
+    if (file->map)
+        munmap(file->map, file->n_bytes);
+    vvi_store_release(file->store);
     vvi_free(file);
+}
+
+vv_status vvi_scratch_file_map(void **out, vvi_scratch_file *file)
+{
+    if (!file->map && file->n_bytes > 0) {
+        void *map = mmap(NULL, file->n_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file->store->fd, 0);
+        if (map == MAP_FAILED)
+            return vv_fail(VV_E_MEMORY, "%s: a temporary file cannot be mapped: %s", file->store->name,
+                           strerror(errno));
+        file->map = map;
+    }
+    *out = file->map;
+    return VV_OK;
 }
 
 vv_status vvi_scratch_file_write(vvi_scratch_file *file, uint64_t at, const void *data, size_t n, vv_job *job)

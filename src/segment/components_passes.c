@@ -5,6 +5,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/field.h"
+#include "io/scratch_file.h"
 #include "segment/components.h"
 #include "segment/label_result.h"
 
@@ -13,6 +14,18 @@
 
 #define SHARE 8   /* of the memory, for the samples and bits of a slab */
 #define SLICES 16 /* of a slab, at most */
+#define ROOM_LEAST 1024
+#define WRITING ((uint64_t)640 << 10) /* bytes, about */
+
+/* By provisional number, of all there are. Larger than a share of the memory it lies in a temporary file. */
+typedef struct table {
+    vvi_scratch_file *file; /* NULL: in memory */
+    void *data;             /* all three */
+    uint64_t *size;         /* while they are found */
+    uint32_t *label;        /* one that it is united with, itself at last; then the label */
+    uint32_t *rank;
+    uint32_t room;
+} table;
 
 typedef struct slab {
     int64_t lo, n;  /* slices */
@@ -25,15 +38,15 @@ typedef struct passes {
     const vvi_components_params *params;
     slab *slabs;
     size_t n_slabs;
-    uint32_t *label; /* by provisional number: one that it is united with, itself at last; then the label */
-    uint64_t *size;  /* by provisional number, while they are found */
-    uint32_t n, room;
+    table table;
+    uint32_t n; /* provisional numbers */
+    void *kept; /* for slabs of the result and for writing them, while numbers are found */
     vv_job *job;
 } passes;
 
-/* The runs of the last slice so far. */
+/* The runs of the last slice so far; its parts have numbers from `first` on. */
 typedef struct face {
-    vvi_runs runs; /* of whole slices, of which the last counts; its parts have numbers from `first` on */
+    vvi_runs runs;
     uint32_t first;
 } face;
 
@@ -70,16 +83,15 @@ static void unite_runs(const row_pair *r, uint32_t a, uint32_t b)
     const vvi_runs *was = &r->before->runs, *now = r->now;
     if (was->lo[a] < now->end[b] + r->reach && now->lo[b] < was->end[a] + r->reach &&
         (!was->key || was->key[a] == now->key[b]))
-        unite(r->p->label, r->before->first + was->part[a], r->first + now->part[b]);
+        unite(r->p->table.label, r->before->first + was->part[a], r->first + now->part[b]);
 }
 
 /* Row j of the last slice before with row i of the first one behind it. */
 static void unite_rows(const row_pair *r, int64_t j, int64_t i)
 {
     const vvi_runs *was = &r->before->runs, *now = r->now;
-    const size_t row = (size_t)((was->n[2] - 1) * was->n[1] + j);
-    const uint32_t a_end = was->first[row + 1], b_end = now->first[i + 1];
-    uint32_t a = was->first[row], b = now->first[i];
+    const uint32_t a_end = was->first[j + 1], b_end = now->first[i + 1];
+    uint32_t a = was->first[j], b = now->first[i];
     while (a < a_end && b < b_end) {
         unite_runs(r, a, b);
         if (was->end[a] == now->end[b] && a + 1 < a_end) /* that may begin where both end */
@@ -108,20 +120,52 @@ static vv_status unite_face(const passes *p, const face *before, const vvi_runs 
 
 /* The first pass --------------------------------------------------------------------------------------------------- */
 
+static void table_free(table *t)
+{
+    if (t->file)
+        vvi_scratch_file_free(t->file);
+    else
+        vvi_free(t->data);
+    *t = (table){0};
+}
+
+static vv_status table_new(table *out, uint32_t room, vv_job *job)
+{
+    const size_t bytes = room * (sizeof *out->size + sizeof *out->label + sizeof *out->rank);
+    vv_status st = VV_OK;
+    *out = (table){.room = room};
+    if (job && bytes > vv_runtime_memory_limit(vv_job_runtime(job)) / SHARE) {
+        st = vvi_scratch_file_new(&out->file, bytes, "components", job);
+        if (st == VV_OK)
+            st = vvi_scratch_file_map(&out->data, out->file);
+    } else if (!(out->data = vvi_alloc(job, bytes, VVI_MEM_SCRATCH)))
+        st = vv_fail_memory(bytes);
+    if (st != VV_OK) {
+        table_free(out);
+        return st;
+    }
+    out->size = out->data;
+    out->label = (uint32_t *)(out->size + room);
+    out->rank = out->label + room;
+    return VV_OK;
+}
+
 static vv_status grow(passes *p, uint32_t more)
 {
+    table wider;
     if (more >= UINT32_MAX / 2 - p->n)
         return vv_fail(VV_E_LIMIT, "components: there are more than 2e9 parts of slabs; crop the volume");
-    if (p->n + more <= p->room)
+    if (p->n + more <= p->table.room)
         return VV_OK;
-    const uint32_t room = p->n + more + p->room / 2;
-    uint32_t *label = vvi_realloc(p->job, p->label, room * sizeof *label, VVI_MEM_SCRATCH);
-    p->label = label ? label : p->label;
-    uint64_t *size = label ? vvi_realloc(p->job, p->size, room * sizeof *size, VVI_MEM_SCRATCH) : NULL;
-    p->size = size ? size : p->size;
-    if (!size)
-        return vv_fail_memory(room * sizeof *size);
-    p->room = room;
+    const vv_status st = table_new(&wider, p->n + more + p->table.room / 2 + ROOM_LEAST, p->job);
+    if (st != VV_OK)
+        return st;
+    if (p->n > 0) {
+        memcpy(wider.label, p->table.label, p->n * sizeof *wider.label);
+        memcpy(wider.size, p->table.size, p->n * sizeof *wider.size);
+    }
+    table_free(&p->table);
+    p->table = wider;
     return VV_OK;
 }
 
@@ -131,11 +175,11 @@ static vv_status number(passes *p, const vvi_runs *runs)
     if (st != VV_OK)
         return st;
     for (uint32_t i = p->n; i < p->n + runs->n_parts; i++) {
-        p->label[i] = i;
-        p->size[i] = 0;
+        p->table.label[i] = i;
+        p->table.size[i] = 0;
     }
     for (size_t i = 0; i < runs->n_runs; i++)
-        p->size[p->n + runs->part[i]] += (uint64_t)(runs->end[i] - runs->lo[i]);
+        p->table.size[p->n + runs->part[i]] += (uint64_t)(runs->end[i] - runs->lo[i]);
     return VV_OK;
 }
 
@@ -161,6 +205,33 @@ static int64_t slices_at_once(const passes *p)
     return n < 1 ? 1 : (int64_t)n;
 }
 
+static void *copy_of(const void *from, size_t bytes, vv_job *job)
+{
+    void *to = vvi_alloc(job, bytes + 1, VVI_MEM_SCRATCH);
+    if (to && bytes > 0)
+        memcpy(to, from, bytes);
+    return to;
+}
+
+/* All but the last slice goes. */
+static vv_status keep_last(vvi_runs *runs, vv_job *job)
+{
+    const size_t rows = (size_t)runs->n[1], row = runs->n_rows - rows;
+    const uint32_t from = runs->first[row], n = runs->first[runs->n_rows] - from;
+    vvi_runs last = {.n = {runs->n[0], runs->n[1], 1}, .n_rows = rows, .n_runs = n, .n_parts = runs->n_parts};
+    last.first = copy_of(runs->first + row, (rows + 1) * sizeof *last.first, job);
+    last.lo = copy_of(runs->lo + from, n * sizeof *last.lo, job);
+    last.end = copy_of(runs->end + from, n * sizeof *last.end, job);
+    last.part = copy_of(runs->part + from, n * sizeof *last.part, job);
+    last.key = runs->key ? copy_of(runs->key + from, n * sizeof *last.key, job) : NULL;
+    const bool all = last.first && last.lo && last.end && last.part && (last.key || !runs->key);
+    for (size_t i = 0; i <= rows && all; i++)
+        last.first[i] -= from;
+    vvi_runs_finish(runs);
+    *runs = last;
+    return all ? VV_OK : vv_fail_memory((n + rows) * sizeof *last.part);
+}
+
 /* The next slab, thinner where it is in more pieces than memory holds. */
 static vv_status take_slab(passes *p, face *before, int64_t lo, int64_t *step)
 {
@@ -181,6 +252,8 @@ static vv_status take_slab(passes *p, face *before, int64_t lo, int64_t *step)
     vvi_runs_finish(&before->runs);
     *before = (face){runs, p->n};
     p->n += runs.n_parts;
+    if (st == VV_OK)
+        st = keep_last(&before->runs, p->job);
     p->n_slabs++;
     return st;
 }
@@ -206,35 +279,32 @@ static vv_status take_slabs(passes *p)
 /* Numbers become labels -------------------------------------------------------------------------------------------- */
 
 /* Parts instead of provisional numbers, in the same order: roots come before all that lead to them. */
-static uint32_t number_parts(passes *p)
+static uint32_t number_parts(uint32_t *label, uint64_t *sizes, uint32_t n_all)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < p->n; i++) {
-        const bool is_root = p->label[i] == i;
-        const uint64_t size = p->size[i];
-        const uint32_t part = is_root ? n++ : p->label[p->label[i]];
-        p->label[i] = part;
-        p->size[part] = is_root ? size : p->size[part] + size;
+    for (uint32_t i = 0; i < n_all; i++) {
+        const bool is_root = label[i] == i;
+        const uint64_t size = sizes[i];
+        const uint32_t part = is_root ? n++ : label[label[i]];
+        label[i] = part;
+        sizes[part] = is_root ? size : sizes[part] + size;
     }
     return n;
 }
 
 static vv_status find_labels(passes *p)
 {
-    vvi_part_sizes sizes = {0};
+    table *t = &p->table;
+    vvi_part_sizes sizes = {.rank = t->rank};
     double least;
     uint32_t most;
     vv_status st = vvi_components_kept(&least, &most, p->info, p->params);
-    const uint32_t n_parts = number_parts(p);
     if (st == VV_OK)
-        st = vvi_part_sizes_rank(&sizes, p->size, n_parts, least, most, p->job);
+        st = vvi_part_sizes_rank(&sizes, t->size, number_parts(t->label, t->size, p->n), least, most, p->job);
     for (uint32_t i = 0; i < p->n && st == VV_OK; i++)
-        p->label[i] = sizes.rank[p->label[i]];
+        t->label[i] = t->rank[t->label[i]];
     if (st == VV_OK)
         vvi_components_tell(&sizes, p->job);
-    vvi_part_sizes_finish(&sizes);
-    vvi_free(p->size);
-    p->size = NULL;
     return st;
 }
 
@@ -246,9 +316,16 @@ static void drop(void *state)
     if (!p)
         return;
     vvi_free(p->slabs);
-    vvi_free(p->label);
-    vvi_free(p->size);
+    vvi_free(p->kept);
+    table_free(&p->table);
     vvi_free(p);
+}
+
+/* So that slabs will fit beside results. */
+static size_t kept_bytes(const vv_runtime *runtime)
+{
+    const uint64_t limit = vv_runtime_memory_limit(runtime), most = limit / 2, some = limit / 8 + WRITING;
+    return (size_t)(some < most ? some : most);
 }
 
 static vv_status find(void **state_out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
@@ -264,7 +341,10 @@ static vv_status find(void **state_out, const vv_field *const *inputs, size_t n_
     p->job = job;
     const size_t bytes = (size_t)p->info->grid.dims[2] * sizeof *p->slabs;
     p->slabs = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    p->kept = job ? vvi_alloc(job, kept_bytes(vv_job_runtime(job)), VVI_MEM_SCRATCH) : NULL;
     vv_status st = p->slabs ? take_slabs(p) : vv_fail_memory(bytes);
+    vvi_free(p->kept);
+    p->kept = NULL;
     if (st == VV_OK && (st = find_labels(p)) == VV_OK)
         st = vv_field_health(p->in);
     if (st == VV_OK)
@@ -285,7 +365,7 @@ static vv_status paint(uint32_t *out, const passes *p, const slab *s, int64_t lo
     part.n[2] = n;
     part.n_rows = (size_t)(n * part.n[1]);
     part.first += (lo - s->lo) * part.n[1];
-    st = vvi_runs_paint(out, VV_TYPE_U32, &part, p->label + s->first, p->job);
+    st = vvi_runs_paint(out, VV_TYPE_U32, &part, p->table.label + s->first, p->job);
     vvi_runs_finish(&runs);
     return st;
 }

@@ -72,12 +72,13 @@ static uint32_t count_large(const uint64_t *size, uint32_t n)
 vv_status vvi_part_sizes_rank(vvi_part_sizes *out, const uint64_t *size, uint32_t n, double least, uint32_t most,
                               vv_job *job)
 {
-    *out = (vvi_part_sizes){.n_parts = n};
+    *out = (vvi_part_sizes){.n_parts = n, .rank = out->rank};
     vv_status st = VV_OK;
     const size_t large_bytes = ((size_t)count_large(size, n) + 1) * sizeof(part);
     part *large = vvi_alloc(job, large_bytes, VVI_MEM_SCRATCH);
     uint32_t *before = vvi_alloc_zeroed(job, COUNTED * sizeof *before, VVI_MEM_SCRATCH);
-    out->rank = vvi_alloc(job, ((size_t)n + 1) * sizeof *out->rank, VVI_MEM_SCRATCH);
+    if (!out->rank)
+        out->rank = vvi_alloc(job, ((size_t)n + 1) * sizeof *out->rank, VVI_MEM_SCRATCH);
     if (large && before && out->rank) {
         rank_small(out->rank, size, n, rank_large(out->rank, size, n, large), before);
         keep(out, size, least, most);
