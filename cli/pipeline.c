@@ -109,12 +109,10 @@ static vv_status finish(cli_command *command, const char *output, const vvi_run_
     const vv_run_about *about = vv_run_get_about(run);
     if (about->n_layers > 0)
         cli_command_note(command, "%s: all %zu layers go into %s", plan->inputs[0].name, about->n_layers, output);
-    if (command->common->dry_run) {
+    const vv_status st = command->common->dry_run ? vvi_run_try(run) : vv_run_write(run);
+    if (st == VV_OK && command->common->dry_run)
         report_plan(command, output, plan, about);
-        return VV_OK;
-    }
-    const vv_status st = vv_run_write(run);
-    if (st == VV_OK)
+    else if (st == VV_OK)
         report(command, output, about);
     return st;
 }

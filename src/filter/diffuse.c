@@ -6,6 +6,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "filter/coherence.h"
+#include "filter/diffuse_file.h"
 #include "filter/diffuse_wave.h"
 #include "filter/noise.h"
 #include "filter/real_samples.h"
@@ -332,9 +333,9 @@ static vv_status diffuse_all(shared *s, const vv_field *in, int64_t iterations)
     return st;
 }
 
-/* The same, slice after slice, in less memory. */
-static vv_status diffuse_wave(const shared *s, const vv_field *in, int64_t iterations)
+static vvi_diffuse_wave wave_of(const shared *s, const vv_field *in, int64_t iterations)
 {
+    const int64_t type = (int64_t)vv_type_bytes(s->info->type);
     vvi_diffuse_wave w = {.in = in,
                           .kernels = s->kernels,
                           .rational = s->rational,
@@ -342,10 +343,19 @@ static vv_status diffuse_wave(const shared *s, const vv_field *in, int64_t itera
                           .component = s->component,
                           .iterations = iterations,
                           .box = s->whole,
-                          .out = s->out,
+                          .out = s->out ? s->out + s->component * type : NULL,
+                          .type = s->info->type,
+                          .step = type * s->info->components,
                           .job = s->job};
     memcpy(w.inverse, s->inverse, sizeof w.inverse);
     memcpy(w.rate, s->rate, sizeof w.rate);
+    return w;
+}
+
+/* The same, slice after slice, in less memory. */
+static vv_status diffuse_wave(const shared *s, const vv_field *in, int64_t iterations)
+{
+    const vvi_diffuse_wave w = wave_of(s, in, iterations);
     const vv_status st = vvi_memory_plan(s->job, (uint64_t)fmin(vvi_diffuse_wave_bytes(&w), 1e18), "diffuse");
     return st == VV_OK ? vvi_diffuse_wave_run(&w) : st;
 }
@@ -429,6 +439,60 @@ static uint64_t memory(const vv_field_info *inputs, size_t n_inputs, const vv_ob
     return ((const diffuse_params *)params)->method == COHERENCE ? vvi_coherence_memory(&inputs[0]) : 0;
 }
 
+/* Streamed: some steps at a time, through a temporary file. */
+static uint64_t scratch_bytes(const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    (void)n_inputs;
+    return ((const diffuse_params *)params)->iterations > 0 ? vvi_diffuse_file_bytes(&inputs[0]) : 0;
+}
+
+static vv_status find(void **state_out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                      vv_job *job)
+{
+    (void)n_inputs;
+    const diffuse_params *p = (const diffuse_params *)params;
+    const vv_field_info *info = vv_field_get_info(inputs[0]);
+    shared s = {.info = info, .whole = vv_field_box(inputs[0]), .rational = p->conductance == 1, .job = job};
+    double ratio[3], step;
+    vvi_diffuse_file *file = NULL;
+    *state_out = NULL;
+    if (p->iterations == 0)
+        return VV_OK;
+    s.kernels = vvi_smoothing_kernels_for(vvi_job_cpu(job));
+    s.wide = vvi_reals_wide(info->type);
+    vv_status st = step_of(&step, ratio, info, params);
+    if (st == VV_OK)
+        st = vvi_diffuse_file_new(&file, inputs[0], job);
+    for (s.component = 0; s.component < info->components && st == VV_OK; s.component++)
+        if ((st = find_edge(&s, inputs[0], params, ratio, step)) == VV_OK) {
+            const vvi_diffuse_wave w = wave_of(&s, inputs[0], p->iterations);
+            st = vvi_diffuse_file_run(file, &w);
+        }
+    if (st == VV_OK)
+        st = vv_field_health(inputs[0]);
+    if (st == VV_OK)
+        *state_out = file;
+    else
+        vvi_diffuse_file_free(file);
+    return st;
+}
+
+static vv_status make(vv_field **out, void *state, const vv_field *const *inputs, size_t n_inputs,
+                      const vv_object *params, const vv_box *box, vv_job *job)
+{
+    (void)inputs;
+    (void)n_inputs;
+    (void)params;
+    return vvi_diffuse_file_slices(out, state, box, job);
+}
+
+static void drop(void *state)
+{
+    vvi_diffuse_file_free(state);
+}
+
+static const vv_passes passes = {.find = find, .make = make, .drop = drop, .scratch = scratch_bytes};
+
 const vv_operation vvi_operation_diffuse = {
     .api = VV_OPERATION_API,
     .name = "diffuse",
@@ -442,5 +506,6 @@ const vv_operation vvi_operation_diffuse = {
     .run_box = run_box,
     .plan = plan,
     .memory = memory,
+    .passes = &passes,
     .carry = vv_carry_values,
 };

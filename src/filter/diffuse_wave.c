@@ -93,10 +93,9 @@ static void store(const running *r, const char *row, int64_t j)
     const vvi_diffuse_wave *w = r->w;
     const vv_box *box = &w->box;
     const int64_t y = r->area.lo[1] + j - box->lo[1], z = r->slice - box->lo[2];
-    const int64_t type = (int64_t)vv_type_bytes(r->info->type), each = type * r->info->components;
     if (y < 0 || y >= box->n[1])
         return;
-    vvi_samples_of_reals(w->out + (z * box->n[1] + y) * box->n[0] * each + w->component * type, each, r->info->type,
+    vvi_samples_of_reals(w->out + ((w->take ? 0 : z) * box->n[1] + y) * box->n[0] * w->step, w->step, w->type,
                          row + (size_t)(box->lo[0] - r->area.lo[0]) * vvi_reals_bytes(w->wide), w->wide, box->n[0]);
 }
 
@@ -182,6 +181,8 @@ static vv_status advance(running *r, int64_t t)
         r->flows = s == first - 1;
         if (s >= 0 && s >= first - 1 && s < (end < n ? end : n))
             st = vvi_parallel_for(w->job, &work, r, items);
+        if (st == VV_OK && w->take && r->level == w->iterations && s >= w->box.lo[2] && s < w->box.lo[2] + w->box.n[2])
+            st = w->take(w->user, s);
     }
     return st;
 }
@@ -199,7 +200,8 @@ vv_status vvi_diffuse_wave_run(const vvi_diffuse_wave *w)
         st = advance(&r, t);
         vvi_job_hush(w->job, -1);
         if (st == VV_OK)
-            st = vvi_job_progress(w->job, "diffuse", (uint64_t)(t + 1 - first), (uint64_t)(end - first));
+            st = vvi_job_progress(w->job, "diffuse", w->before + (uint64_t)(t + 1 - first),
+                                  w->all ? w->all : (uint64_t)(end - first));
     }
     vvi_free(r.room);
     return st;

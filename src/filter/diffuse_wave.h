@@ -15,7 +15,13 @@ typedef struct vvi_diffuse_wave {
     bool rational, wide;
     int64_t component, iterations; /**< iterations: 1 and more */
     vv_box box;                    /**< of the result */
-    char *out;                     /**< its samples, packed, all components */
+    char *out;                     /**< its samples of this component, packed but for `step` */
+    vv_type type;                  /**< of them */
+    int64_t step;                  /**< bytes from one to the next */
+    /** Called when slice k of the result is in `out`, which has room for one slice then. NULL: `out` has all. */
+    vv_status (*take)(void *user, int64_t k);
+    void *user;
+    uint64_t before, all; /**< for the progress: slices of other waves that are done, and of all; 0: there are none */
     vv_job *job;
 } vvi_diffuse_wave;
 

@@ -122,11 +122,11 @@ static vv_status count_layer(shared *s, size_t count_bytes)
 {
     const int64_t *d = s->info->grid.dims, first = tile_begin(s, 2, s->layer), end = tile_begin(s, 2, s->layer + 1);
     const vv_box all = {{0, 0, first}, {d[0], d[1], end - first}};
-    const int64_t slices = COUNTED / (d[0] * d[1]) + 1;
+    int64_t slices = COUNTED / (d[0] * d[1]) + 1;
     const size_t n_tiles = (size_t)(s->n[0] * s->n[1]), n_layers = (size_t)s->n[2], at = (size_t)s->layer;
     vv_status st = VV_OK;
     memset(s->count, 0, count_bytes);
-    for (int64_t k = first; k < end && st == VV_OK; k += slices) {
+    for (int64_t k = first; k < end && st == VV_OK;) {
         const vvi_work work = {.stage = "equalize",
                                .item = count_tile,
                                .n_before = at * n_tiles,
@@ -137,6 +137,11 @@ static vv_status count_layer(shared *s, size_t count_bytes)
         if ((st = vv_field_brick(&s->brick, s->in, &part, s->job)) == VV_OK)
             st = vvi_parallel_for(s->job, &work, s, n_tiles);
         vv_brick_release(&s->brick);
+        k += st == VV_OK ? part.n[2] : 0;
+        if (st == VV_E_LIMIT && slices > 1) {
+            slices /= 2;
+            st = VV_OK;
+        }
     }
     for (size_t i = 0; i < n_tiles && st == VV_OK; i++)
         for (int c = 0; c < s->info->components; c++) {

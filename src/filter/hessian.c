@@ -152,10 +152,13 @@ size_t vvi_hessian_items(const vv_box *box)
 
 double vvi_hessian_bytes(const vv_field_info *info, const vv_box *box, double sigma)
 {
-    const double reach = info->grid.dims[2] > 1 ? floor(4 * sigma / vv_grid_spacing(&info->grid, 2) + 0.5) + 1 : 0;
-    const double slices = fmin((double)info->grid.dims[2], (double)box->n[2] + 2 * reach);
-    return 2 * slices * (double)info->grid.dims[0] * (double)info->grid.dims[1] * info->components *
-           (double)vvi_reals_bytes(vvi_reals_wide(info->type));
+    double samples = 1;
+    for (int a = 0; a < 3; a++) {
+        const double n = (double)info->grid.dims[a];
+        const double reach = n > 1 ? floor(4 * sigma / vv_grid_spacing(&info->grid, a) + 0.5) + 1 : 0;
+        samples *= fmin(n, (double)box->n[a] + 2 * reach);
+    }
+    return 2 * samples * info->components * (double)vvi_reals_bytes(vvi_reals_wide(info->type));
 }
 
 vv_status vvi_hessian_each(const vv_field *in, const vv_box *box, double sigma, vvi_hessian_take *take, void *user,

@@ -1,5 +1,6 @@
 #include "filter/smoothed_samples.h"
 #include "filter/real_samples.h"
+#include "filter/window.h"
 #include "grid/making.h"
 #include "registry.h"
 
@@ -63,22 +64,23 @@ vv_status vvi_smoothed_check(const vv_grid *grid, double sigma, const char *name
     return VV_OK;
 }
 
-/* Whole slices, as gaussian works on them, and those that its kernel reaches. */
 vv_status vvi_smoothed(vv_field **out, const vv_field *in, const vv_box *box, double sigma, vv_job *job)
 {
     const vv_grid *grid = &vv_field_get_info(in)->grid;
-    const int64_t *d = grid->dims, end = box->lo[2] + box->n[2];
+    int64_t reach[3];
     double voxels[3];
     vv_field *floats = NULL;
     *out = NULL;
-    for (int a = 0; a < 3; a++)
-        voxels[a] = d[a] > 1 ? sigma / vv_grid_spacing(grid, a) : 0;
+    for (int a = 0; a < 3; a++) {
+        voxels[a] = grid->dims[a] > 1 ? sigma / vv_grid_spacing(grid, a) : 0;
+        reach[a] = (int64_t)floor(CUT * voxels[a] + 0.5);
+    }
     if (vv_type_is_float(vv_field_get_info(in)->type) && vv_field_get_info(in)->meaning != VV_MEANING_LABEL)
         return gaussian(out, in, box, voxels, job);
-    const int64_t reach = (int64_t)floor(CUT * voxels[2] + 0.5);
-    vv_box needed = {{0, 0, box->lo[2] > reach ? box->lo[2] - reach : 0}, {d[0], d[1], 0}};
-    needed.n[2] = (end < d[2] - reach ? end + reach : d[2]) - needed.lo[2];
-    const vv_box there = {{box->lo[0], box->lo[1], box->lo[2] - needed.lo[2]}, {box->n[0], box->n[1], box->n[2]}};
+    const vv_box needed = vvi_window_reach(box, reach, grid->dims);
+    vv_box there = *box;
+    for (int a = 0; a < 3; a++)
+        there.lo[a] -= needed.lo[a];
     vv_status st = to_floats(&floats, in, &needed, job);
     if (st == VV_OK)
         st = gaussian(out, floats, &there, voxels, job);

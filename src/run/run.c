@@ -184,7 +184,11 @@ vv_status vv_run_write(vv_run *run)
         return vv_fail(VV_E_ARGUMENT, "%s: there is no file to write the result to", run->name);
     if (run->written)
         return vv_fail(VV_E_ARGUMENT, "%s: is written already", run->name);
-    vv_status st = run->results ? VV_OK : vv_run_make(run);
+    vv_status st = VV_OK;
+    if (!run->results) {
+        vv_job_forget_findings(run->job);
+        st = vvi_run_make_fitting(run);
+    }
     if (st != VV_OK)
         return st;
     run->written = true;

@@ -85,6 +85,10 @@ int vvi_run_last(const vv_run *run);
 size_t vvi_run_joined(const vv_run *run, size_t s, int64_t *index);
 /** Whole numbers that a format of labels is given are labels. */
 void vvi_run_declare_label(vv_field_info *info, const vv_run *run);
+/** run_need.c: vvi_run_make(), and the first slab of what streams; VV_E_LIMIT says how much memory would be enough. */
+vv_status vvi_run_make_fitting(vv_run *run);
+/** Whether a run that is only planned will be refused so, where its first slab tells. */
+vv_status vvi_run_try(vv_run *run);
 /** run_make.c: run->results. */
 vv_status vvi_run_make_all(vv_run *run);
 /** People are told that a mesh is of the first of so many time steps; of one there is nothing to be told. */

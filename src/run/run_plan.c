@@ -167,8 +167,8 @@ static vv_status plan_step(vv_run *r, size_t s)
     }
     const uint64_t working = o->memory ? o->memory(infos, o->joins ? 1 : takes->n, step->params) : 0;
     r->about.working = working > r->about.working ? working : r->about.working;
-    r->whole |= !(o->run_box && working == 0) && !o->passes;
-    if (o->passes && o->passes->scratch)
+    r->whole |= o->run_box ? working > 0 : !o->passes;
+    if (o->passes && o->passes->scratch && !r->whole)
         r->about.scratch += o->passes->scratch(infos, o->joins ? 1 : takes->n, step->params);
     r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     return VV_OK;

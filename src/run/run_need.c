@@ -1,0 +1,107 @@
+/* Whether memory holds what streaming takes, before anything is written; and where it does not, how much would. */
+#include "core/job.h"
+#include "core/limits.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "run/run_impl.h"
+#include <volvis/runtime.h>
+
+enum {
+    WRITING = 560 << 10, /* bytes that writing a file holds beside the samples */
+    TRIALS = 48          /* of limits, each an eighth above the one before */
+};
+
+/* The first slab, which stays for whoever writes it. The others take no more, or get thinner. */
+static vv_status make_first(const vv_run *r, vv_job *job)
+{
+    const int64_t *n = vv_field_get_info(r->results[0].field)->grid.dims;
+    const vv_box slice = {{0, 0, 0}, {n[0], n[1], 1}};
+    void *writing = vvi_alloc(job, WRITING, VVI_MEM_SCRATCH);
+    vv_brick brick;
+    vv_status st = writing ? vv_field_brick(&brick, r->results[0].field, &slice, job) : vv_fail_memory(WRITING);
+    if (st == VV_OK)
+        vv_brick_release(&brick);
+    vvi_free(writing);
+    return st;
+}
+
+static vv_status try_in(const vv_run *r, uint64_t limit)
+{
+    const vvi_run_plan plan = {r->inputs, r->n_inputs, r->steps, r->takes, r->n_steps, r->name, r->settled};
+    const vv_runtime *from = vv_job_runtime(r->job);
+    vv_runtime_options options;
+    vv_runtime *runtime = NULL;
+    vv_job *job = NULL;
+    vv_run *run = NULL;
+    vv_runtime_options_init(&options, sizeof options);
+    options.threads = vv_runtime_threads(from);
+    options.memory_bytes = limit;
+    options.registry = vvi_job_registry(r->job);
+    options.limits = vvi_job_limits(r->job);
+    vv_status st = vv_runtime_new(&runtime, &options);
+    if (st == VV_OK && (st = vv_job_new(&job, runtime, NULL, NULL)) == VV_OK)
+        st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job);
+    if (st == VV_OK && (st = vvi_run_make(run)) == VV_OK)
+        st = make_first(run, job);
+    vv_run_release(run);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
+    return st;
+}
+
+/* Passes over all samples are too much for a trial: they say themselves what they lack. */
+static bool has_passes(const vv_run *r)
+{
+    for (size_t s = 0; s < r->n_steps; s++)
+        if (r->steps[s].operation->passes)
+            return true;
+    return false;
+}
+
+static bool has_looks(const vv_run *r)
+{
+    for (size_t s = 0; s < r->n_steps; s++)
+        if (r->steps[s].operation->looks && r->steps[s].operation->looks(r->steps[s].params))
+            return true;
+    return false;
+}
+
+/* The first limit of more and more with which it is done, as it is with the one after it: as slabs come in whole
+ * slices, somewhat more may be too little again. 0: none. */
+static uint64_t find_need(const vv_run *r, uint64_t limit)
+{
+    vv_status st = VV_E_LIMIT;
+    int enough = 0;
+    for (int i = 0; i < TRIALS && enough < 2 && (st == VV_OK || st == VV_E_LIMIT); i++) {
+        limit += limit / 8;
+        st = try_in(r, limit);
+        enough = st == VV_OK ? enough + 1 : 0;
+    }
+    return enough < 2 ? 0 : limit;
+}
+
+vv_status vvi_run_make_fitting(vv_run *r)
+{
+    vv_status st = vvi_run_make(r);
+    if (st == VV_OK && r->about.streamed)
+        st = make_first(r, r->job);
+    if (st != VV_E_LIMIT || !r->about.streamed || has_passes(r) || vv_error_last()->file) /* memory is of no file */
+        return st;
+    const uint64_t limit = vv_runtime_memory_limit(vv_job_runtime(r->job));
+    vvi_error_copy before;
+    char text[32], text_limit[32];
+    vvi_error_take(&before);
+    const uint64_t need = find_need(r, limit);
+    if (need == 0)
+        return vvi_error_put(&before);
+    vvi_error_copy_free(&before);
+    vvi_print_bytes(text, need);
+    vvi_print_bytes(text_limit, limit);
+    return vv_fail(VV_E_LIMIT, "%s needs about %s even slab by slab, and the limit is %s; give more with --memory",
+                   r->name, text, text_limit);
+}
+
+vv_status vvi_run_try(vv_run *r)
+{
+    return r->about.streamed && !has_passes(r) && !has_looks(r) ? vvi_run_make_fitting(r) : VV_OK;
+}
