@@ -109,12 +109,14 @@ double *vvi_expression_row(vvi_expression_rows *rows, size_t name)
     return name < VVI_EXPRESSION_NAMES ? rows->rows[name] : NULL;
 }
 
-const double *vvi_expression_run(vvi_expression_rows *rows)
+const double *vvi_expression_run(vvi_expression_rows *rows, size_t n)
 {
+    const size_t all = (n + VVI_EXPRESSION_BLOCK - 1) / VVI_EXPRESSION_BLOCK * VVI_EXPRESSION_BLOCK;
     const vvi_expression *e = rows->expression;
     for (int i = 0; i < e->n_steps; i++) {
         const vvi_expression_step *s = &e->steps[i];
-        rows->kernels->ops[s->op](rows->rows[s->out], rows->rows[s->in[0]], rows->rows[s->in[1]], rows->rows[s->in[2]]);
+        rows->kernels->ops[s->op](rows->rows[s->out], rows->rows[s->in[0]], rows->rows[s->in[1]], rows->rows[s->in[2]],
+                                  all);
     }
     return rows->rows[e->result];
 }

@@ -34,8 +34,9 @@ void vvi_expression_rows_free(vvi_expression_rows *rows);
 /** The VVI_EXPRESSION_ROW values of a name that the expression uses, to be written before each run; 0 at first. NULL:
  * it does not use it. */
 double *vvi_expression_row(vvi_expression_rows *rows, size_t name);
-/** The value at each place of the rows; stays until the next run. The same numbers with any instruction set. */
-const double *vvi_expression_run(vvi_expression_rows *rows);
+/** The value at each of the first n places of the rows; stays until the next run. The same numbers with any instruction
+ * set. */
+const double *vvi_expression_run(vvi_expression_rows *rows, size_t n);
 
 /** A constant or a function that every text may name; NULL past the end. *doc_out: what it is, in a few words. */
 const char *vvi_expression_constant(size_t index, double *value_out);

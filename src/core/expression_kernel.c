@@ -1,31 +1,21 @@
 #include "core/expression_kernel.h"
 #include "core/simd.h"
 
-/* Rows have a fixed length: the compiler makes vectors of these loops, and no fused arithmetic (-ffp-contract=off). */
+/* Blocks have a fixed length: the compiler makes vectors of these loops, and no fused arithmetic (-ffp-contract=off).
+ */
 #define ROW_OP(name, operands, value) ROW_OP_##operands(name, value)
-#define ROW_OP_1(name, value)                                                                                          \
-    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
+#define ROW_OP_1(name, value) ROW_LOOP(name, a = as[at + i], value)
+#define ROW_OP_2(name, value) ROW_LOOP(name, a = as[at + i] COMMA b = bs[at + i], value)
+#define ROW_OP_3(name, value) ROW_LOOP(name, a = as[at + i] COMMA b = bs[at + i] COMMA c = cs[at + i], value)
+#define COMMA ,
+#define ROW_LOOP(name, operands, value)                                                                                \
+    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs, size_t n)       \
     {                                                                                                                  \
-        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
-            const double a = as[i];                                                                                    \
-            out[i] = (value);                                                                                          \
-        }                                                                                                              \
-    }
-#define ROW_OP_2(name, value)                                                                                          \
-    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
-    {                                                                                                                  \
-        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
-            const double a = as[i], b = bs[i];                                                                         \
-            out[i] = (value);                                                                                          \
-        }                                                                                                              \
-    }
-#define ROW_OP_3(name, value)                                                                                          \
-    static void row_##name(double *restrict out, const double *as, const double *bs, const double *cs)                 \
-    {                                                                                                                  \
-        for (int i = 0; i < VVI_EXPRESSION_ROW; i++) {                                                                 \
-            const double a = as[i], b = bs[i], c = cs[i];                                                              \
-            out[i] = (value);                                                                                          \
-        }                                                                                                              \
+        for (size_t at = 0; at < n; at += VVI_EXPRESSION_BLOCK)                                                        \
+            for (size_t i = 0; i < VVI_EXPRESSION_BLOCK; i++) {                                                        \
+                const double operands;                                                                                 \
+                out[at + i] = (value);                                                                                 \
+            }                                                                                                          \
     }
 VVI_EXPRESSION_OPS(ROW_OP)
 

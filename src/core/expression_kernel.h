@@ -49,8 +49,9 @@
 #define VVI_EXPRESSION_ENUM(name, operands, value) VVI_OP_##name,
 typedef enum vvi_expression_op { VVI_EXPRESSION_OPS(VVI_EXPRESSION_ENUM) VVI_EXPRESSION_N_OPS } vvi_expression_op;
 
-/** VVI_EXPRESSION_ROW numbers; out is none of the others. */
-typedef void vvi_expression_row_op(double *restrict out, const double *a, const double *b, const double *c);
+enum { VVI_EXPRESSION_BLOCK = 64 };
+/** n numbers, whole blocks; out is none of the others. */
+typedef void vvi_expression_row_op(double *restrict out, const double *a, const double *b, const double *c, size_t n);
 
 typedef struct vvi_expression_kernels {
     const char *isa;

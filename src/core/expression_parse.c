@@ -206,7 +206,7 @@ static double reckon(const parser *p, vvi_expression_op op, const int in[3])
     memset(rows, 0, sizeof rows);
     for (int i = 0; i < 3 && i < vvi_expression_operands(op); i++)
         rows[i][0] = constant_of(p, in[i]);
-    vvi_expression_kernels_for(0)->ops[op](rows[3], rows[0], rows[1], rows[2]);
+    vvi_expression_kernels_for(0)->ops[op](rows[3], rows[0], rows[1], rows[2], VVI_EXPRESSION_BLOCK);
     return rows[3][0];
 }
 

@@ -1,6 +1,9 @@
 /* Calc: a formula of the values of several volumes at each sample. */
+#include "core/cpu.h"
 #include "core/expression.h"
 #include "core/memory.h"
+#include "filter/calc_kernel.h"
+#include "filter/calc_table.h"
 #include "grid/making.h"
 #include "grid/same_grid.h"
 #include "registry.h"
@@ -157,6 +160,8 @@ typedef struct shared {
     vvi_making making;
     const vv_field_info *info;
     const vvi_expression *expression;
+    const vvi_calc_table *table; /* NULL: samples are worked out one by one */
+    const vvi_calc_kernels *kernels;
     const vv_field *const *inputs;
     size_t n_inputs;
     vv_job *job;
@@ -183,15 +188,22 @@ static void finish(void *scratch, void *user)
     vvi_expression_rows_free(scratch);
 }
 
+/* Of an input. */
+static const char *row_of(const shared *s, size_t input, const piece *p)
+{
+    const vv_brick *b = input ? &s->making.more_bricks[input - 1] : &s->making.brick;
+    const int64_t *lo = p->item->lo;
+    return (const char *)b->data + (lo[0] - b->box.lo[0]) * b->stride[0] +
+           (lo[1] + p->j - b->box.lo[1]) * b->stride[1] + (lo[2] + p->k - b->box.lo[2]) * b->stride[2];
+}
+
 static void fill_values(double *row, const shared *s, size_t input, const piece *p)
 {
     const vv_field_info *info = vv_field_get_info(s->inputs[input]);
-    const vv_brick whole = input ? s->making.more_bricks[input - 1] : s->making.brick;
-    const vv_brick brick = vvi_brick_part(&whole, p->item);
-    const char *in = (const char *)brick.data + p->j * brick.stride[1] + p->k * brick.stride[2];
+    const char *in = row_of(s, input, p);
     const size_t each = vv_type_bytes(info->type), channels = (size_t)s->info->components;
     if (info->components == s->info->components) {
-        vvi_samples_to_f64(row, in + p->first * each, info->type, p->n);
+        s->kernels->load[info->type](row, in + p->first * each, p->n);
     } else {
         double single[ROW];
         const size_t sample = p->first / channels, last = (p->first + p->n - 1) / channels;
@@ -240,9 +252,10 @@ static vv_status write_piece(char *out, vvi_expression_rows *rows, const shared 
         else if (row)
             fill_place(row, s, n - s->n_inputs, p);
     }
-    const double *values = vvi_expression_run(rows);
+    const double *values = vvi_expression_run(rows, p->n);
     const vv_status st = vv_type_is_float(s->info->type) ? VV_OK : check_range(values, s, p);
-    vvi_samples_from_f64(out, values, s->info->type, p->n);
+    if (s->info->type != VV_TYPE_F32 || !s->kernels->store_f32(out, values, p->n)) /* that rounds, and no more */
+        vvi_samples_from_f64(out, values, s->info->type, p->n);
     return st;
 }
 
@@ -255,7 +268,10 @@ static vv_status item(void *scratch, void *user, size_t index)
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
             const int64_t row = vvi_slabs_row(&s->making.slabs, &box, j, k) * s->info->components;
-            for (size_t at = 0; at < n && st == VV_OK; at += ROW) {
+            const piece all = {.item = &box, .j = j, .k = k, .n = n};
+            if (s->table)
+                vvi_calc_table_row(s->making.out + (size_t)row * each, s->table, row_of(s, 0, &all), n);
+            for (size_t at = 0; at < n && st == VV_OK && !s->table; at += ROW) {
                 const piece p = {.item = &box, .j = j, .k = k, .first = at, .n = n - at < ROW ? n - at : ROW};
                 st = write_piece(s->making.out + ((size_t)row + at) * each, scratch, s, &p);
             }
@@ -269,6 +285,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     static const vvi_work work = {.stage = "calc", .start = start, .item = item, .finish = finish};
     vv_field_info info, infos[INPUTS_MOST] = {0};
     vvi_expression *expression;
+    vvi_calc_table *table;
     *out = NULL;
     for (size_t i = 0; i < n_inputs; i++)
         infos[i] = *vv_field_get_info(inputs[i]);
@@ -278,12 +295,17 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     shared s = {.making = {.in = inputs[0], .slabs = vvi_slabs_of(box, ITEM_SAMPLES)},
                 .info = &info,
                 .expression = expression,
+                .kernels = vvi_calc_kernels_for(vvi_job_cpu(job)),
                 .inputs = inputs,
                 .n_inputs = n_inputs,
                 .job = job};
     for (size_t i = 1; i < n_inputs; i++)
         s.making.more[i - 1] = inputs[i];
-    st = vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
+    st = vvi_calc_table_new(&table, expression, &infos[0], info.type, box->n[0] * box->n[1] * box->n[2], job);
+    s.table = table;
+    if (st == VV_OK)
+        st = vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
+    vvi_calc_table_free(table);
     vvi_expression_free(expression);
     return st;
 }

@@ -40,7 +40,7 @@ static void check(const char *text, double (*expected)(double a, double b, doubl
     for (size_t n = 0; n < NAMES; n++)
         for (int v = 0; v < VVI_EXPRESSION_ROW && vvi_expression_uses(e, n); v++)
             vvi_expression_row(rows, n)[v] = value_of((int)n, v);
-    const double *got = vvi_expression_run(rows);
+    const double *got = vvi_expression_run(rows, VVI_EXPRESSION_ROW);
     for (int v = 0; v < VVI_EXPRESSION_ROW; v++) {
         const double a = value_of(0, v), b = value_of(1, v), c = value_of(2, v), want = expected(a, b, c);
         if (!same(got[v], want))
@@ -57,7 +57,7 @@ static double constant(const char *text)
     if (vvi_expression_new(&e, text, NULL, 0) != VV_OK)
         fail_msg("%s: %s", text, vv_error_last()->message);
     assert_int_equal(vvi_expression_rows_new(&rows, e, NULL), VV_OK);
-    const double value = vvi_expression_run(rows)[VVI_EXPRESSION_ROW - 1];
+    const double value = vvi_expression_run(rows, VVI_EXPRESSION_ROW)[VVI_EXPRESSION_ROW - 1];
     vvi_expression_rows_free(rows);
     vvi_expression_free(e);
     return value;
@@ -268,8 +268,8 @@ static void instruction_sets_give_the_same_bits(void **state)
             rows[n][v] = v % 2 ? value_of(n, v) : 20 * test_random_unit(5, (uint64_t)(n * 1000 + v)) - 10;
     for (size_t b = 0; (one = vvi_expression_kernels_nth(b)) != NULL; b++)
         for (int op = 0; op < VVI_EXPRESSION_N_OPS && (one->needs & ~has) == 0; op++) {
-            base->ops[op](want, rows[0], rows[1], rows[2]);
-            one->ops[op](got, rows[0], rows[1], rows[2]);
+            base->ops[op](want, rows[0], rows[1], rows[2], VVI_EXPRESSION_ROW);
+            one->ops[op](got, rows[0], rows[1], rows[2], VVI_EXPRESSION_ROW);
             for (int v = 0; v < VVI_EXPRESSION_ROW; v++)
                 if (!same(want[v], got[v]))
                     fail_msg("%s, operation %d, place %d: %.17g, not %.17g", one->isa, op, v, got[v], want[v]);

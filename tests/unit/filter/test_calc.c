@@ -180,10 +180,38 @@ static void what_does_not_go_is_refused_in_words(void **state)
     vv_job_release(job);
 }
 
+/* What names a place has no table of its values. */
+static void values_that_are_worked_out_once_are_those_of_every_sample(void **state)
+{
+    static const char *const to[] = {"u8", "i16", "f32", "f64"};
+    vv_job *job = test_job(2, 0);
+    for (vv_type type = VV_TYPE_U8; type <= VV_TYPE_I16; type++) {
+        vv_field_info info =
+            info_of(vv_type_bytes(type) == 1 ? 7 : 521, 253, 2, type, vv_type_bytes(type) == 1 ? 3 : 1);
+        info.value_scale = 0.25;
+        info.value_offset = -2;
+        vv_field *in = test_field_random(&info, 5, job);
+        for (size_t t = 0; t < sizeof to / sizeof *to; t++) {
+            char once[96], each[96];
+            snprintf(once, sizeof once, "formula=\"clamp(sqrt(a) + 0.3*a, 0, 99)\";type=%s", to[t]);
+            snprintf(each, sizeof each, "formula=\"clamp(sqrt(a) + 0.3*a, 0, 99) + 0*i\";type=%s", to[t]);
+            vv_field *got = result_of((const vv_field *const *)&in, 1, once, job);
+            vv_field *want = result_of((const vv_field *const *)&in, 1, each, job);
+            assert_true(test_same_samples(got, want));
+            vv_field_release(got);
+            vv_field_release(want);
+        }
+        refused((const vv_field *const *)&in, 1, "formula=\"a*1000\";type=i16", "the formula gives", job);
+        vv_field_release(in);
+    }
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_types_are_taken_as_values_with_their_scale),
+        cmocka_unit_test(values_that_are_worked_out_once_are_those_of_every_sample),
         cmocka_unit_test(channels_go_each_by_itself_and_one_with_each),
         cmocka_unit_test(places_are_those_of_the_whole_grid_in_any_box),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
