@@ -13,6 +13,7 @@
 
 #define ITEM_SAMPLES ((int64_t)1 << 16)
 #define PIECE_SAMPLES ((int64_t)1 << 12) /* of a slice: their states stay in the caches */
+#define TOGETHER 8                       /* rows that are read side by side: what hardware foresees */
 #define CHUNK_BYTES ((int64_t)1 << 26)   /* of the input that are held at once, where they are read bit by bit */
 
 typedef struct project_params {
@@ -164,13 +165,19 @@ static void begin(const state *st, const shared *s, size_t n)
         st->a[i] = st->b[i] = st->count[i] = 0;
 }
 
-static void add_row(const state *st, const char *row, const shared *s, size_t n)
+/* Rows that are `step` bytes apart. */
+static void add_rows(const state *st, const char *row, int64_t rows, int64_t step, const shared *s, size_t n)
 {
     const vvi_project_sums sums = {st->a, st->b, st->count};
-    if (is_extreme(s))
-        s->loops->extreme[seeks_largest(s)](st->a, row, (int64_t)n);
-    else
-        (s->slabs.method == DEVIATION ? s->loops->square : s->loops->sum)(&sums, row, (int64_t)n);
+    const bool added = !is_extreme(s) && s->slabs.method != DEVIATION;
+    const int64_t most = added ? TOGETHER : 1;
+    for (int64_t r = 0; r < rows; r += most, row += most * step)
+        if (added)
+            s->loops->sum(&sums, row, rows - r < most ? rows - r : most, step, (int64_t)n);
+        else if (is_extreme(s))
+            s->loops->extreme[seeks_largest(s)](st->a, row, (int64_t)n);
+        else
+            s->loops->square(&sums, row, (int64_t)n);
 }
 
 /* What is written: values, or stored numbers where the type is kept. */
@@ -345,17 +352,18 @@ static void medians_of_rows(scratch *own, const state *st, const shared *s, int6
 /* Along y and z it is rows that go together. */
 static void fold_rows(scratch *own, const state *st, const shared *s, int64_t j, int64_t k)
 {
-    int64_t lo, n, rows = 0;
-    slab_of(&lo, &n, &s->slabs, s->slabs.axis == 1 ? j : k);
-    for (int64_t t = lo > s->from ? lo : s->from; t < lo + n && t < s->to; t++, rows++) {
-        const int64_t y = s->slabs.axis == 1 ? t : j, z = s->slabs.axis == 1 ? k : t;
-        if (s->slabs.method == MEDIAN)
-            read_row(own->slab + (size_t)rows * row_numbers(s), s, y, z);
-        else
-            add_row(st, row_at(s, y, z), s, row_numbers(s));
-    }
-    if (s->slabs.method == MEDIAN)
-        medians_of_rows(own, st, s, rows);
+    int64_t lo, n;
+    const bool along_y = s->slabs.axis == 1;
+    slab_of(&lo, &n, &s->slabs, along_y ? j : k);
+    const int64_t first = lo > s->from ? lo : s->from, end = lo + n < s->to ? lo + n : s->to, rows = end - first;
+    if (s->slabs.method != MEDIAN && rows > 0)
+        add_rows(st, along_y ? row_at(s, first, k) : row_at(s, j, first), rows, s->brick.stride[along_y ? 1 : 2], s,
+                 row_numbers(s));
+    if (s->slabs.method != MEDIAN)
+        return;
+    for (int64_t t = 0; t < rows; t++)
+        read_row(own->slab + (size_t)t * row_numbers(s), s, along_y ? first + t : j, along_y ? k : first + t);
+    medians_of_rows(own, st, s, rows > 0 ? rows : 0);
 }
 
 /* Of sums, whose states have how many were missing. */
@@ -415,10 +423,11 @@ static void add_slices(scratch *own, const shared *s, const vv_box *box)
     const state all = kept_state(s, first);
     if (s->first)
         begin(&all, s, n * (size_t)box->n[1]);
-    for (int64_t t = s->from; t < s->to; t++)
+    for (int64_t t = s->from; t < s->to; t += TOGETHER)
         for (int64_t j = first; j < end; j += rows) {
             const state st = kept_state(s, j);
-            add_row(&st, row_at(s, j, t), s, n * (size_t)rows);
+            add_rows(&st, row_at(s, j, t), s->to - t < TOGETHER ? s->to - t : TOGETHER, s->brick.stride[2], s,
+                     n * (size_t)rows);
         }
     for (int64_t j = first; j < end && s->last; j++) {
         const state st = kept_state(s, j);

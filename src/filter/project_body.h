@@ -1,5 +1,6 @@
 /* The loops of project_kernel.h for one type of sample. Before it: SAMPLE and NAME(x), which names a function for it.
- * Nothing is worked out on a condition alone: vectors have no branches. */
+ * WHOLE: a whole number that holds the sum of WHOLE_ROWS of them; not defined: there is none. Nothing is worked out on
+ * a condition alone: vectors have no branches. */
 
 #define LARGER(a, b) ((((b) != (b)) | ((b) <= (a))) ? (a) : (b))
 #define SMALLER(a, b) ((((b) != (b)) | ((b) >= (a))) ? (a) : (b))
@@ -52,17 +53,43 @@ static void NAME(numbers)(double out[STEP], const char *row, int64_t n)
         out[i] = (double)v[i];
 }
 
-static void NAME(sum)(const vvi_project_sums *sums, const char *row, int64_t n)
+#ifdef WHOLE
+/* Whole numbers are added as such: no sum of doubles of them is rounded, either. */
+static void NAME(sum)(const vvi_project_sums *sums, const char *row, int64_t rows, int64_t step, int64_t n)
+{
+    for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE))
+        for (int64_t first = 0; first < rows; first += WHOLE_ROWS) {
+            const int64_t end = rows - first < WHOLE_ROWS ? rows : first + WHOLE_ROWS;
+            WHOLE whole[STEP] = {0};
+            double sum[STEP];
+            for (int64_t r = first; r < end; r++) {
+                SAMPLE v[STEP];
+                take(v, row + r * step, n - at, sizeof *v);
+                for (int i = 0; i < STEP; i++)
+                    whole[i] += v[i];
+            }
+            take(sum, sums->sum + at, n - at, sizeof *sum);
+            for (int i = 0; i < STEP; i++)
+                sum[i] += (double)whole[i];
+            give(sums->sum + at, sum, n - at, sizeof *sum);
+        }
+}
+#else
+static void NAME(sum)(const vvi_project_sums *sums, const char *row, int64_t rows, int64_t step, int64_t n)
 {
     for (int64_t at = 0; at < n; at += STEP, row += STEP * sizeof(SAMPLE)) {
-        double v[STEP], sum[STEP];
-        NAME(numbers)(v, row, n - at);
+        double sum[STEP];
         take(sum, sums->sum + at, n - at, sizeof *sum);
-        if (!add(sum, v))
-            count_missing(sums->count + at, v, n - at);
+        for (int64_t r = 0; r < rows; r++) {
+            double v[STEP];
+            NAME(numbers)(v, row + r * step, n - at);
+            if (!add(sum, v))
+                count_missing(sums->count + at, v, n - at);
+        }
         give(sums->sum + at, sum, n - at, sizeof *sum);
     }
 }
+#endif
 
 static void NAME(square)(const vvi_project_sums *sums, const char *row, int64_t n)
 {
@@ -79,6 +106,27 @@ static void NAME(square)(const vvi_project_sums *sums, const char *row, int64_t 
     }
 }
 
+#ifdef WHOLE
+static void NAME(sum_of)(const vvi_project_sums *sums, const char *row, int64_t n)
+{
+    double sum = 0;
+    for (int64_t first = 0; first < n; first += WHOLE_ROWS) { /* samples here: as many in one number as there can be */
+        const int64_t end = n - first < WHOLE_ROWS ? n : first + WHOLE_ROWS;
+        WHOLE whole[STEP] = {0}, all = 0;
+        for (int64_t at = first; at < end; at += STEP) {
+            SAMPLE v[STEP];
+            take(v, row + at * (int64_t)sizeof *v, end - at, sizeof *v);
+            for (int i = 0; i < STEP; i++)
+                whole[i] += v[i];
+        }
+        for (int i = 0; i < STEP; i++)
+            all += whole[i];
+        sum += (double)all;
+    }
+    *sums->sum = sum;
+    *sums->count = 0;
+}
+#else
 /* Behind the end of the row are zeros. */
 static void NAME(sum_of)(const vvi_project_sums *sums, const char *row, int64_t n)
 {
@@ -91,6 +139,7 @@ static void NAME(sum_of)(const vvi_project_sums *sums, const char *row, int64_t 
     *sums->sum = halves_added(sum);
     *sums->count = halves_added(missing);
 }
+#endif
 
 /* The row is in the cache: first the mean, then what is away from it. */
 static void NAME(square_of)(const vvi_project_sums *sums, const char *row, int64_t n)

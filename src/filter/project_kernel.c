@@ -58,27 +58,37 @@ VV_INLINE double halves_added(const double v[STEP])
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
+enum { WHOLE_ROWS = 1 << 15 };
+
 #define SAMPLE uint8_t
 #define NAME(x) x##_u8
+#define WHOLE uint32_t
 #include "filter/project_body.h"
+#undef WHOLE
 #undef SAMPLE
 #undef NAME
 
 #define SAMPLE int8_t
 #define NAME(x) x##_i8
+#define WHOLE int32_t
 #include "filter/project_body.h"
+#undef WHOLE
 #undef SAMPLE
 #undef NAME
 
 #define SAMPLE uint16_t
 #define NAME(x) x##_u16
+#define WHOLE uint32_t
 #include "filter/project_body.h"
+#undef WHOLE
 #undef SAMPLE
 #undef NAME
 
 #define SAMPLE int16_t
 #define NAME(x) x##_i16
+#define WHOLE int32_t
 #include "filter/project_body.h"
+#undef WHOLE
 #undef SAMPLE
 #undef NAME
 

@@ -17,11 +17,14 @@ typedef struct vvi_project_sums {
 /** Rows of n packed samples of a type, with any alignment. */
 typedef void vvi_project_extreme(void *extreme, const char *row, int64_t n);
 typedef void vvi_project_add(const vvi_project_sums *sums, const char *row, int64_t n);
+/** Several of them, `step` bytes apart. */
+typedef void vvi_project_add_rows(const vvi_project_sums *sums, const char *row, int64_t rows, int64_t step, int64_t n);
 
 /** For one type. The first three go sample by sample through a row of states, the others along the row into one. */
 typedef struct vvi_project_loops {
-    vvi_project_extreme *extreme[2];     /**< smallest, largest; NaN of floats: none yet */
-    vvi_project_add *sum, *square;       /**< square: Welford 1962 */
+    vvi_project_extreme *extreme[2]; /**< smallest, largest; NaN of floats: none yet */
+    vvi_project_add_rows *sum;
+    vvi_project_add *square;             /**< Welford 1962 */
     vvi_project_extreme *extreme_of[2];  /**< the extreme is there before */
     vvi_project_add *sum_of, *square_of; /**< set what is there */
 } vvi_project_loops;

@@ -37,8 +37,8 @@ vv_status vvi_run_make(vv_run *run);
 
 /** A field of which there is the grid alone: asking for samples is an error. */
 vv_status vvi_run_grid(vv_field **out, const vv_field_info *info, vv_job *job);
-/** About how many seconds the steps take for one time step, without reading and writing: from the middle 64^3 samples.
- * NaN where that cannot be told: steps refuse a part, or work on meshes. */
+/** About how many seconds the steps take for one time step, without reading and writing: from the middle 64^3 or 128^3
+ * samples. NaN where that cannot be told: steps refuse a part, or work on meshes. */
 double vvi_run_seconds(const vvi_run_plan *plan, vv_job *job);
 
 /** An input, or what a step makes: what is planned of it. */
