@@ -164,7 +164,7 @@ static bool same(const char *a, const char *b)
 static const char *dataset_of_file(const vv_world *world, const cli_input_name *name)
 {
     for (size_t i = 0; i < world->datasets->n; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         if (same(dataset->path, name->path) && same(dataset->part, name->part))
             return world->datasets->entry[i].id;
     }
@@ -222,7 +222,7 @@ static vv_status take_inputs(step *s)
 
 static const vv_dataset *dataset_of(const step *s, const char *id)
 {
-    return (const vv_dataset *)(const void *)vv_collection_find((*s->world)->datasets, id);
+    return vvi_dataset_named(*s->world, id);
 }
 
 /* The further input whose labels parameters name, where the operation says that there is one. */
@@ -426,11 +426,9 @@ vv_status cli_chain_add(vv_world **world, char id_out[ID_ROOM], cli_command *com
 const char *cli_chain_source(const vv_world *world, const char *input)
 {
     for (size_t i = 0; i < world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        const vv_dataset *dataset = cli_input_dataset(world, volume);
-        for (size_t k = 0; volume->visible && dataset && k < world->datasets->n; k++)
-            if (world->datasets->entry[k].object == &dataset->base)
-                return world->datasets->entry[k].id;
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        if (volume->visible && vvi_volume_dataset(world, volume))
+            return vvi_volume_dataset_id(world, volume);
     }
     vv_fail_at(VV_E_ARGUMENT, input, NULL, "shows no data that an operation could work on");
     return NULL;
@@ -443,7 +441,7 @@ static vv_status show_in_place(vv_world **world, const char *from, const char *i
     const vv_collection *volumes = (*world)->volumes;
     vv_status st = VV_OK;
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(*world, i);
         char path[ID_ROOM + 32];
         snprintf(path, sizeof path, "volumes.%s.data", volumes->entry[i].id);
         if (!volume->data || strcmp(volume->data, from) == 0)

@@ -13,23 +13,18 @@ static bool is_data(const cli_command *command)
     return data;
 }
 
-static const vv_volume *volume_nth(const vv_collection *volumes, size_t i)
-{
-    return (const vv_volume *)(const void *)volumes->entry[i].object;
-}
-
 /* Whether a volume shows the data that the first shows; others are of other files. */
-static bool is_channel(const vv_collection *volumes, size_t i)
+static bool is_channel(const vv_world *world, size_t i)
 {
-    const char *first = volume_nth(volumes, 0)->data, *data = volume_nth(volumes, i)->data;
+    const char *first = vvi_volume_nth(world, 0)->data, *data = vvi_volume_nth(world, i)->data;
     return first && data && strcmp(first, data) == 0;
 }
 
-static bool has_channels(const vv_collection *volumes)
+static bool has_channels(const vv_world *world)
 {
     size_t n = 0;
-    for (size_t i = 0; i < volumes->n; i++)
-        n += is_channel(volumes, i);
+    for (size_t i = 0; i < world->volumes->n; i++)
+        n += is_channel(world, i);
     return n > 1;
 }
 
@@ -40,10 +35,10 @@ vv_status cli_edit_channels(cli_edits *edits)
     vv_world *world = vv_model_snapshot(edits->model);
     const vv_collection *volumes = world->volumes;
     vv_status st = VV_OK;
-    if (alone && has_channels(volumes) && is_data(edits->command)) {
-        const vv_volume *first = volume_nth(volumes, 0);
+    if (alone && has_channels(world) && is_data(edits->command)) {
+        const vv_volume *first = vvi_volume_nth(world, 0);
         for (size_t i = 1; i < volumes->n && st == VV_OK; i++)
-            if (is_channel(volumes, i))
+            if (is_channel(world, i))
                 st = cli_edit_set(edits, "mode", "false", "volumes.%s.visible", volumes->entry[i].id);
         cli_command_note(
             edits->command,

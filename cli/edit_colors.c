@@ -25,7 +25,7 @@ static vv_status color_slices(cli_edits *edits, const char *id)
 {
     char map[8];
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(world->volumes, id);
+    const vv_volume *volume = vvi_volume_named(world, id);
     const vv_color c = volume->color;
     vv_object_release(&world->base);
     snprintf(map, sizeof map, "#%02x%02x%02x", byte_of(c.r), byte_of(c.g), byte_of(c.b));
@@ -45,7 +45,7 @@ static vv_status fade_mesh(cli_edits *edits, double opacity, const char *id)
 {
     char path[128], color[160];
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(world->volumes, id);
+    const vv_volume *volume = vvi_volume_named(world, id);
     const vv_color c = volume->color;
     snprintf(path, sizeof path, "volumes.%s.color", id);
     snprintf(color, sizeof color, "[%.9g, %.9g, %.9g, %.9g]", c.r, c.g, c.b, opacity);
@@ -57,8 +57,7 @@ static vv_status edit_opacity(cli_edits *edits, const char *typed, const char *i
 {
     double opacity;
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_dataset *dataset = cli_input_dataset(world, volume);
-    const bool mesh = dataset && vv_dataset_is_mesh(dataset, edits->command->job);
+    const bool mesh = vvi_volume_is_mesh(world, volume, edits->command->job);
     vv_status st = vvi_parse_quantity(&opacity, typed, VV_Q_RATIO, NULL, "--opacity");
     vv_object_release(&world->base);
     if (st != VV_OK || !(opacity >= 0 && opacity <= 1))

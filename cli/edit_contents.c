@@ -79,8 +79,7 @@ static vv_status resolve(vv_actor *out, cli_edits *edits, const vv_world *world,
     const vv_ray_value projects =
         renderer && renderer->projects && params ? renderer->projects(params) : VV_PROJECTS_NOTHING;
     *out = (vv_actor){0};
-    return vvi_resolve_actor(out, &load_s, world, id,
-                             (const vv_volume *)(const void *)vv_collection_find(world->volumes, id), projects,
+    return vvi_resolve_actor(out, &load_s, world, id, vvi_volume_named(world, id), projects,
                              projects != VV_PROJECTS_NOTHING, edits->command->job);
 }
 
@@ -88,7 +87,7 @@ static vv_status resolve(vv_actor *out, cli_edits *edits, const vv_world *world,
 static vv_status set_other_range(vv_world **out, const vv_world *world, const char *id)
 {
     static const char *const ends[] = {"range_lo", "range_hi"};
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(world->volumes, id);
+    const vv_volume *volume = vvi_volume_named(world, id);
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
     const vv_transfer *transfer = (const vv_transfer *)(const void *)segmentation->transfer;
     const double lo = transfer->range_lo, hi = transfer->range_hi;
@@ -176,8 +175,8 @@ static vv_status look_at(unsigned *contents, bool *any_out, cli_edits *edits, co
     *contents = 0;
     *any_out = false;
     for (size_t i = 0; i < world->volumes->n && st == VV_OK; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        const vv_dataset *dataset = cli_input_dataset(world, volume);
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        const vv_dataset *dataset = vvi_volume_dataset(world, volume);
         if (!volume->visible || !dataset)
             continue;
         *any_out = true;

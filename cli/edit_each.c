@@ -95,7 +95,7 @@ static void note_all(const cli_edits *edits, const vv_collection *volumes, const
 /* A mesh without values at its vertices: what is said of the values of all is not for it. */
 static bool is_bare_mesh(const cli_edits *edits, const vv_world *world, const vv_volume *volume)
 {
-    const vv_dataset *dataset = cli_input_dataset(world, volume);
+    const vv_dataset *dataset = vvi_volume_dataset(world, volume);
     vv_mesh *mesh = NULL;
     if (!dataset || !vv_dataset_is_mesh(dataset, edits->command->job) ||
         vv_dataset_mesh(&mesh, world, dataset, edits->command->job) != VV_OK)
@@ -116,14 +116,13 @@ vv_status cli_edit_each(cli_edits *edits, const char *option, bool of_values, cl
         if (given->cls != &cli_look_class || strcmp(given->row->name, option) != 0)
             continue;
         st = find_target(&t, edits, world->volumes, option, given);
-        const vv_object *last = world->volumes->n ? world->volumes->entry[world->volumes->n - 1].object : NULL;
-        if (st == VV_OK && last && !(of_values && is_bare_mesh(edits, world, (const vv_volume *)(const void *)last)))
+        const size_t n = world->volumes->n;
+        if (st == VV_OK && n && !(of_values && is_bare_mesh(edits, world, vvi_volume_nth(world, n - 1))))
             note_all(edits, world->volumes, option, given, &t);
-        for (size_t i = t.lo; i < t.hi && i < world->volumes->n && st == VV_OK; i++) {
-            const vv_entry *entry = &world->volumes->entry[i];
-            const vv_volume *volume = (const vv_volume *)(const void *)entry->object;
+        for (size_t i = t.lo; i < t.hi && i < n && st == VV_OK; i++) {
+            const vv_volume *volume = vvi_volume_nth(world, i);
             if (!(of_values && t.hi - t.lo > 1 && is_bare_mesh(edits, world, volume)))
-                st = fn(edits, t.typed, entry->id, volume);
+                st = fn(edits, t.typed, world->volumes->entry[i].id, volume);
         }
     }
     vv_object_release(&world->base);

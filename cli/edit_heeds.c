@@ -188,7 +188,7 @@ vv_status cli_edit_check_params(cli_edits *edits, const char *method)
 static bool shows_meshes(const vv_world *world, vv_job *job)
 {
     for (size_t i = 0; i < world->datasets->n; i++)
-        if (vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, job))
+        if (vv_dataset_is_mesh(vvi_dataset_nth(world, i), job))
             return true;
     return false;
 }
@@ -199,7 +199,7 @@ static bool shows_clouds(const vv_world *world, const cli_edits *edits, const ch
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
     const char *mode = renderer ? mode_of(renderer, params_of(world, edits->view, method)) : NULL;
     for (size_t i = 0; i < world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(world, i);
         const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
         if (segmentation->kind == VV_SEGMENT_THRESHOLD)
             return false;
@@ -224,7 +224,7 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     if (!makes_one_picture(edits->command))
         return VV_OK;
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
+    const vv_view *view = vvi_view_named(world, edits->view);
     const vv_decorations *drawn = view ? (const vv_decorations *)(const void *)view->decorations : NULL;
     const bool meshes = shows_meshes(world, edits->command->job);
     const bool direction = o->view && !vv_collection_find(world->views, o->view);

@@ -12,7 +12,7 @@
 void cli_edit_method_of(char out[64], cli_edits *edits)
 {
     vv_world *world = vv_model_snapshot(edits->model);
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
+    const vv_view *view = vvi_view_named(world, edits->view);
     snprintf(out, 64, "%s",
              view ? vvi_method_of(world, view, edits->command->job)
                   : vv_registry_renderer_for(edits->command->registry, 0)->name);

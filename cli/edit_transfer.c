@@ -325,23 +325,22 @@ static vv_status leave_missing_out(vv_field **field, int *component, const vv_vo
 static vv_status measure(double range[2], cli_edits *edits, const vv_volume *volume)
 {
     vv_world *world = vv_model_snapshot(edits->model);
-    const char *data = volume->data ? volume->data : world->datasets->n ? world->datasets->entry[0].id : "";
-    const vv_object *dataset = vv_collection_find(world->datasets, data);
+    const vv_dataset *dataset = vvi_volume_dataset(world, volume);
+    const char *data = vvi_volume_dataset_id(world, volume);
     const double percents[2] = {range[0], range[1]};
     vv_job *job = edits->command->job;
     vv_field *field = NULL;
     int component = (int)volume->component;
     vv_status st = VV_OK;
     if (!dataset)
-        st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data);
-    else if (vv_dataset_is_mesh((const vv_dataset *)(const void *)dataset, job))
+        st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data ? data : "");
+    else if (vv_dataset_is_mesh(dataset, job))
         st = cli_refused(
             edits->command, "percentile",
             vv_fail(VV_E_ARGUMENT,
                     "is of the samples of volumes, and '%s' is a mesh; --range LO..HI is for values at vertices",
                     data));
-    else if ((st = vv_dataset_field(&field, world, (const vv_dataset *)(const void *)dataset, volume->attribute,
-                                    volume->frame, job)) == VV_OK)
+    else if ((st = vv_dataset_field(&field, world, dataset, volume->attribute, volume->frame, job)) == VV_OK)
         st = leave_missing_out(&field, &component, volume, job);
     if (st == VV_OK && field)
         st = vvi_field_percentiles(range, percents, field, component, job);

@@ -35,7 +35,7 @@ static bool is_anatomical(cli_edits *edits)
     vv_world *world = vv_model_snapshot(edits->model);
     vv_field_info info = vv_field_info_default();
     for (size_t i = 0; i < world->datasets->n; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         vv_mesh *mesh = NULL;
         if (vv_dataset_is_mesh(dataset, edits->command->job)) {
             if (vv_dataset_mesh(&mesh, world, dataset, edits->command->job) == VV_OK)

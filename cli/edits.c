@@ -158,10 +158,8 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn)
 {
     vv_world *world = vv_model_snapshot(edits->model);
     vv_status st = VV_OK;
-    for (size_t i = 0; i < world->volumes->n && st == VV_OK; i++) {
-        const vv_entry *entry = &world->volumes->entry[i];
-        st = fn(edits, entry->id, (const vv_volume *)(const void *)entry->object);
-    }
+    for (size_t i = 0; i < world->volumes->n && st == VV_OK; i++)
+        st = fn(edits, world->volumes->entry[i].id, vvi_volume_nth(world, i));
     vv_object_release(&world->base);
     return st;
 }

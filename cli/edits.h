@@ -4,6 +4,7 @@
 #ifndef CLI_EDITS_H
 #define CLI_EDITS_H
 #include "command.h"
+#include "model/contents.h"
 #include "render/recipe.h"
 #include <volvis/model.h>
 

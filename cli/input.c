@@ -154,26 +154,6 @@ vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *c
     return st;
 }
 
-const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volume)
-{
-    const vv_collection *datasets = world->datasets;
-    const vv_object *found = volume->data  ? vv_collection_find(datasets, volume->data)
-                             : datasets->n ? datasets->entry[0].object
-                                           : NULL;
-    return (const vv_dataset *)(const void *)found;
-}
-
-/* The first volume that a World shows; NULL: it shows none. */
-static const vv_volume *first_shown(const vv_world *world)
-{
-    for (size_t i = 0; i < world->volumes->n; i++) {
-        const vv_volume *one = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        if (one->visible)
-            return one;
-    }
-    return NULL;
-}
-
 /* A file's path, layout and time step take the place of the World's own file. */
 static vv_status take_data(cli_input *out, vv_read_options *options, const vv_volume *volume, const vv_dataset *dataset)
 {
@@ -213,7 +193,7 @@ static vv_status spare_files(cli_command *command, const vv_world *world)
 {
     vv_status st = VV_OK;
     for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         if (dataset->path)
             st = cli_output_spare(command, command->common->output, dataset->path);
     }
@@ -235,8 +215,8 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
                                     const vv_world *world)
 {
     vv_read_options options;
-    const vv_volume *volume = first_shown(world);
-    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
+    const vv_volume *volume = vvi_first_visible(world);
+    const vv_dataset *dataset = volume ? vvi_volume_dataset(world, volume) : NULL;
     vv_status st;
     if (dataset && vv_dataset_is_made(dataset))
         return open_made(out, command, world, volume, dataset);

@@ -4,6 +4,7 @@
 #ifndef CLI_INPUT_H
 #define CLI_INPUT_H
 #include "command.h"
+#include "model/contents.h"
 #include "render/recipe.h"
 #include <volvis/file.h>
 
@@ -54,8 +55,6 @@ vv_status cli_world_set_frame(vv_world **world, int64_t frame);
 /** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes.
  * recipe_out: what else a picture says of itself, zero for other inputs. */
 vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command, const char *word);
-/** The dataset that a volume shows; NULL where the World has none. */
-const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volume);
 /** Folder that a file lies in, as paths of scenes are relative to it; yours to free(), NULL without memory. */
 char *cli_folder_of(const char *path);
 #endif

@@ -90,7 +90,7 @@ static vv_status note_changed(cli_command *command, const cli_measured *in, cons
                               const vv_world *world, const char *word)
 {
     const vv_volume *volume = vvi_first_visible(world);
-    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
+    const vv_dataset *dataset = volume ? vvi_volume_dataset(world, volume) : NULL;
     uint32_t expected = 0, found = 0;
     if (!dataset || !dataset->checksum || in->input.frame > 0 || !vvi_checksum_parse(&expected, dataset->checksum))
         return VV_OK;

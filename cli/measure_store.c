@@ -89,9 +89,7 @@ static vv_status check_reading(const cli_command *command, const char *input)
 /* What a measurement is of: its file, or that of the scene's first volume. */
 static const char *measured_file(const vv_world *world, const char *file)
 {
-    const vv_collection *volumes = world->volumes;
-    const vv_dataset *data =
-        volumes->n ? cli_input_dataset(world, (const vv_volume *)(const void *)volumes->entry[0].object) : NULL;
+    const vv_dataset *data = world->volumes->n ? vvi_volume_dataset(world, vvi_volume_nth(world, 0)) : NULL;
     return file ? file : data && data->path ? data->path : "";
 }
 
@@ -104,7 +102,7 @@ static bool same_file(const char *a, const char *b)
 static void note_replaced(cli_command *command, const vv_world *world, const char *name, const cli_question *q,
                           const char *file)
 {
-    const vv_measurement *m = (const vv_measurement *)(const void *)vv_collection_find(world->measurements, name);
+    const vv_measurement *m = vvi_measurement_named(world, name);
     if (!m)
         return;
     const char *kind = vv_measure_kind_of(m)->name, *was = measured_file(world, m->file);

@@ -218,7 +218,7 @@ static vv_status check_plot(const again *a, const vv_collection *stored, const c
         return VV_OK;
     for (size_t i = 0; i < stored->n; i++)
         if (is_wanted(stored->entry[i].id, names, n)) {
-            one = (const vv_measurement *)(const void *)stored->entry[i].object;
+            one = vvi_measurement_nth(a->world, i);
             n_asked++;
         }
     if (n_asked != 1)
@@ -232,8 +232,8 @@ static vv_status check_plot(const again *a, const vv_collection *stored, const c
 
 static vv_status measure_all(again *a, const char *const *names, size_t n)
 {
-    const vv_object *before = vv_object_retain(&a->world->base); /* the World changes where figures are kept */
-    const vv_collection *stored = ((const vv_world *)(const void *)before)->measurements;
+    vv_world *before = (vv_world *)(void *)vv_object_retain(&a->world->base); /* figures that are kept change it */
+    const vv_collection *stored = before->measurements;
     vv_status st = check_names(stored, a->scene, names, n);
     size_t n_asked = 0;
     if (st == VV_OK)
@@ -242,7 +242,7 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
     for (size_t i = 0; i < stored->n && st == VV_OK; i++)
         if (is_wanted(stored->entry[i].id, names, n)) {
             n_asked++;
-            st = measure_again(a, stored->entry[i].id, (const vv_measurement *)(const void *)stored->entry[i].object);
+            st = measure_again(a, stored->entry[i].id, vvi_measurement_nth(before, i));
         }
     vvi_result_close(&a->command->json, ']');
     vvi_result_unsigned(&a->command->json, "n_changed", a->n_changed);
@@ -260,7 +260,7 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
     }
     if (st == VV_OK && n_asked == 1 && a->n_failed)
         st = vv_error_last()->status; /* there is no other to tell */
-    vv_object_release((vv_object *)(uintptr_t)before);
+    vv_object_release(&before->base);
     return st;
 }
 

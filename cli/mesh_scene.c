@@ -14,7 +14,7 @@
 
 static const vv_volume *volume_of(const cli_mesh_scene *s)
 {
-    return (const vv_volume *)(const void *)vv_collection_find(s->scene->world->volumes, s->actor->id);
+    return vvi_volume_named(s->scene->world, s->actor->id);
 }
 
 /* What a picture does not show is left out. */

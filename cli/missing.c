@@ -50,12 +50,6 @@ vv_status cli_missing_take(cli_input *input, cli_command *command, const vv_volu
     return st == VV_E_ARGUMENT ? VV_OK : st; /* pictures of labels have no use for it either */
 }
 
-static bool is_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
-{
-    const vv_dataset *dataset = cli_input_dataset(world, volume);
-    return dataset && vv_dataset_is_mesh(dataset, job);
-}
-
 static vv_status set(vv_world **world, const cli_missing *missing, vv_job *job, size_t *n_set)
 {
     vv_object *root = &(*world)->base;
@@ -64,7 +58,7 @@ static vv_status set(vv_world **world, const cli_missing *missing, vv_job *job, 
     for (size_t i = 0; i < n && st == VV_OK; i++) {
         char path[160];
         const vv_world *now = (const vv_world *)(const void *)root;
-        if (is_mesh(now, (const vv_volume *)(const void *)now->volumes->entry[i].object, job))
+        if (vvi_volume_is_mesh(now, vvi_volume_nth(now, i), job))
             continue;
         snprintf(path, sizeof path, "volumes.%s.missing", now->volumes->entry[i].id);
         st = vv_path_set_numbers(&root, path, missing->value, missing->n, NULL);

@@ -1,6 +1,7 @@
 #include "picture_notes.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "model/contents.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +35,7 @@ static vv_status fail_moved(const vv_dataset *dataset, const char *id, const cha
 void cli_note_moved(cli_command *command, const vv_world *world, const char *word)
 {
     for (size_t i = 0; i < world->datasets->n; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         char remedy[200];
         if (!dataset->path || access(dataset->path, F_OK) == 0)
             continue;
@@ -77,7 +78,7 @@ static bool is_set_anew(const cli_command *command, const char *id)
 vv_status cli_fail_data(const cli_command *command, const vv_world *world, const char *word, vv_status st)
 {
     for (size_t i = 0; i < world->datasets->n && st != VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         const char *id = world->datasets->entry[i].id;
         if (!dataset->path || strcmp(dataset->path, word) == 0)
             continue;

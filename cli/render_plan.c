@@ -86,7 +86,7 @@ static vv_status tell_time(cli_command *command, vv_world *world, const char *vi
 
 vv_status cli_render_plan(cli_command *command, vv_world *world, const char *view_id, const char *output)
 {
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, view_id);
+    const vv_view *view = vvi_view_named(world, view_id);
     const vv_renderer *renderer = vv_registry_renderer(command->registry, vvi_method_of(world, view, command->job));
     vv_status st = VV_OK;
     char needed[32];
@@ -95,7 +95,7 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
     const uint64_t picture = picture_bytes(renderer, view);
     uint64_t bytes = picture;
     for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *dataset = vvi_dataset_nth(world, i);
         vv_field_info info;
         uint64_t samples = 0;
         char about[128];

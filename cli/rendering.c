@@ -1,6 +1,7 @@
 /* The picture of `render`, written with what it was made of, and told of. */
 #include "rendering.h"
 #include "io/sink.h"
+#include "model/contents.h"
 #include "picture_notes.h"
 #include "resuming.h"
 #include <inttypes.h>
@@ -10,7 +11,7 @@
 
 const vv_view *cli_rendering_view(const cli_rendering *r)
 {
-    return (const vv_view *)(const void *)vv_collection_find(r->world->views, r->recipe.view);
+    return vvi_view_named(r->world, r->recipe.view);
 }
 
 /* "16 rays per pixel", "up to 37 rays a pixel, 5.3 on average, ended by noise" */

@@ -68,8 +68,7 @@ static void put_vector(vvi_result *json, const char *key, vv_vec3 v)
 /* What the volume's scene calls a label; NULL where it does not. */
 static const char *label_name(const vv_world *world, const vv_picked *p)
 {
-    const vv_volume *volume =
-        p->volume ? (const vv_volume *)(const void *)vv_collection_find(world->volumes, p->volume) : NULL;
+    const vv_volume *volume = p->volume ? vvi_volume_named(world, p->volume) : NULL;
     if (!volume)
         return NULL;
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;

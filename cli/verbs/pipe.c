@@ -67,7 +67,7 @@ static vv_status take_words(piping *p)
 
 static const vv_dataset *result(const piping *p)
 {
-    return (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, p->last);
+    return vvi_dataset_named(p->world, p->last);
 }
 
 /* The World of the input, with what is made of it. */
@@ -78,11 +78,11 @@ static vv_status make_world(piping *p)
     const char *source = st == VV_OK ? cli_chain_source(p->world, p->input[0]) : NULL;
     if (!source)
         return st == VV_OK ? VV_E_ARGUMENT : st;
-    const vv_dataset *from = (const vv_dataset *)(const void *)vv_collection_find(p->world->datasets, source);
+    const vv_dataset *from = vvi_dataset_named(p->world, source);
     p->from_stream = from->fields != NULL;
     p->frame = -1;
     for (size_t i = 0; i < p->world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)p->world->volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(p->world, i);
         if (vv_object_is_set(&volume->base, "frame"))
             p->frame = volume->frame;
     }

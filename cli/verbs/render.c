@@ -60,8 +60,8 @@ static vv_status load(cli_rendering *r)
     if (!r->fields || !r->meshes)
         return vv_fail_memory(2 * volumes->n * sizeof(vv_field *));
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
-        const vv_dataset *dataset = cli_input_dataset(r->world, volume);
+        const vv_volume *volume = vvi_volume_nth(r->world, i);
+        const vv_dataset *dataset = vvi_volume_dataset(r->world, volume);
         if (volume->visible && dataset && vv_dataset_is_mesh(dataset, r->command->job))
             st = vv_dataset_mesh(&r->meshes[r->n_meshes++], r->world, dataset, r->command->job);
         else if (volume->visible && dataset)

@@ -6,6 +6,7 @@
 #include "grid/field.h"
 #include "measuring/measuring.h"
 #include "model/classes.h"
+#include "model/contents.h"
 #include "model/placement.h"
 #include "scene/resolve.h"
 #include <math.h>
@@ -15,39 +16,15 @@
 
 #define NO_LIMIT 1e308 /* the largest value that scenes write */
 
-static const vv_volume *volume_nth(const vv_world *world, size_t i)
-{
-    return (const vv_volume *)(const void *)world->volumes->entry[i].object;
-}
-
-const vv_volume *vvi_first_visible(const vv_world *world)
-{
-    for (size_t i = 0; i < world->volumes->n; i++)
-        if (volume_nth(world, i)->visible)
-            return volume_nth(world, i);
-    return NULL;
-}
-
 const char *vvi_measured_volume_id(const vv_world *world, const char *named)
 {
-    const vv_collection *all = world->volumes;
-    for (size_t i = 0; i < all->n; i++)
-        if (named ? strcmp(all->entry[i].id, named) == 0 : volume_nth(world, i)->visible)
-            return all->entry[i].id;
-    return NULL;
-}
-
-static bool is_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
-{
-    const vv_collection *all = world->datasets;
-    const vv_object *data = volume->data ? vv_collection_find(all, volume->data) : all->n ? all->entry[0].object : NULL;
-    return data && vv_dataset_is_mesh((const vv_dataset *)(const void *)data, job);
+    return !named ? vvi_first_visible_id(world) : vvi_volume_named(world, named) ? named : NULL;
 }
 
 bool vvi_world_shows_meshes(const vv_world *world, vv_job *job)
 {
     const vv_volume *volume = vvi_first_visible(world);
-    return volume && is_mesh(world, volume, job);
+    return volume && vvi_volume_is_mesh(world, volume, job);
 }
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */
@@ -84,7 +61,7 @@ bool vvi_world_surface_value(double *out, const vv_world *world, const char *vie
     char mode[64], iso[64], name[128];
     if (!*view && world->views->n)
         view = world->views->entry[0].id;
-    const vv_view *seen = (const vv_view *)(const void *)vv_collection_find(world->views, view);
+    const vv_view *seen = vvi_view_named(world, view);
     if (!seen)
         return false;
     const char *method = vvi_method_of(world, seen, job);
@@ -163,7 +140,7 @@ static void choose_unit(struct vvi_measured_mesh *m, const vv_world *world)
 
 static vv_status take_mesh(vvi_measured_meshes *out, const vv_world *world, size_t i, vv_job *job)
 {
-    const vv_volume *volume = volume_nth(world, i);
+    const vv_volume *volume = vvi_volume_nth(world, i);
     struct vvi_measured_mesh *m = &out->mesh[out->n];
     vv_measured_data *data = &out->data[out->n++];
     const vv_dataset *dataset;
@@ -194,9 +171,9 @@ vv_status vvi_measured_meshes_take(vvi_measured_meshes *out, const vv_world *wor
     if (!out->data || !out->mesh)
         return vv_fail_memory(n * sizeof *out->mesh);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
-        if (only ? strcmp(only, world->volumes->entry[i].id) != 0 : !volume_nth(world, i)->visible)
+        if (only ? strcmp(only, world->volumes->entry[i].id) != 0 : !vvi_volume_nth(world, i)->visible)
             continue;
-        if (!is_mesh(world, volume_nth(world, i), job))
+        if (!vvi_volume_is_mesh(world, vvi_volume_nth(world, i), job))
             return vv_fail(VV_E_ARGUMENT,
                            "%s shows meshes and, as volumes.%s, samples, which are measured apart: hide what is not "
                            "meant, as in --set volumes.%s.visible=false",

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_MEASURING_WORLD_DATA_H
 #define VVI_MEASURING_WORLD_DATA_H
+#include "model/contents.h"
 #include <volvis/measuring.h>
 
 enum { VVI_MEASURED_PLANES = 32 };
@@ -21,8 +22,6 @@ typedef struct vvi_measured_meshes {
     size_t n;
 } vvi_measured_meshes;
 
-/** The first visible volume of a World, or NULL. */
-const vv_volume *vvi_first_visible(const vv_world *world);
 /** The id of the volume that a question names, else of the first visible one. NULL: there is none. */
 const char *vvi_measured_volume_id(const vv_world *world, const char *named);
 /** Whether the first visible volume is a mesh. */

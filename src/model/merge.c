@@ -1,6 +1,7 @@
 /* One World's data shown in another. */
 #include "model/merge.h"
 #include "core/property_impl.h"
+#include "model/contents.h"
 #include "model/context.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,7 +94,7 @@ static void rename_reference(merging *m, const vv_world *from, new_id *ids, cons
 /* What is made is made of the same as before, whatever that is called now. */
 static void rename_inputs(merging *m, const vv_world *from, new_id *ids, size_t index)
 {
-    const vv_dataset *d = (const vv_dataset *)from->datasets->entry[index].object;
+    const vv_dataset *d = vvi_dataset_nth(from, index);
     char path[2 * PATH_ROOM];
     const char *name;
     json_t *value, *inputs = vvi_members_tree(&d->base, vv_class_find(&vv_dataset_class, "inputs"));

@@ -1,6 +1,7 @@
 /* What the light of a picture depends on: the part of the World that its view shows, the data, the renderer. */
 #include "render/picture_depends.h"
 #include "grid/crc.h"
+#include "model/contents.h"
 #include "model/object_hash.h"
 #include "scene/resolve.h"
 #include <string.h>
@@ -49,7 +50,7 @@ static uint64_t hash_world(const vv_scene *scene, uint64_t hash)
     hash = vvi_object_hash(&scene->world->base, &rules, hash);
     hash = vvi_object_hash(&scene->view->base, &rules, hash);
     for (size_t i = 0; i < volumes->n; i++)
-        if (((const vv_volume *)(const void *)volumes->entry[i].object)->visible)
+        if (vvi_volume_nth(scene->world, i)->visible)
             hash = vvi_object_hash(volumes->entry[i].object, &rules, hash);
     hash = vvi_hash_u64(lights->n > 0, hash); /* without any there are others */
     for (size_t i = 0; i < lights->n; i++)

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/limits.h"
 #include "core/property_impl.h"
+#include "model/contents.h"
 #include "model/context.h"
 #include "run/made.h"
 #include <inttypes.h>
@@ -11,14 +12,6 @@
 #include <string.h>
 
 enum { PATH_ROOM = VVI_ID_MOST + 96, NAMES_MOST = 128 };
-
-static const char *id_of(const vv_world *world, const vv_dataset *dataset)
-{
-    for (size_t i = 0; i < world->datasets->n; i++)
-        if (world->datasets->entry[i].object == &dataset->base)
-            return world->datasets->entry[i].id;
-    return "";
-}
 
 /* "datasets.smooth.inputs.volume"; name NULL: without it. */
 static const char *place(char out[PATH_ROOM], const vvi_made *made, const char *property, const char *name)
@@ -62,7 +55,7 @@ static vv_status find_input(vvi_made *made, size_t index, const char *operand, c
     const size_t at = vvi_collection_index(all, id);
     size_t n = 0;
     if (at < all->n) {
-        made->input[index] = (const vv_dataset *)(const void *)all->entry[at].object;
+        made->input[index] = vvi_dataset_nth(made->world, at);
         made->input_id[index] = all->entry[at].id;
         return VV_OK;
     }
@@ -162,7 +155,7 @@ vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *
 
 vv_status vvi_made_open_as_is(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
-    *out = (vvi_made){.world = world, .dataset = dataset, .id = id_of(world, dataset)};
+    *out = (vvi_made){.world = world, .dataset = dataset, .id = vvi_dataset_id(world, dataset)};
     vv_status st = find_operation(out, job);
     if (st != VV_OK)
         return st;

@@ -6,6 +6,7 @@
 #include "grid/label_id.h"
 #include "io/channel_colors.h"
 #include "io/mesh_file.h"
+#include "model/contents.h"
 #include "model/context.h"
 #include "model/dataset.h"
 #include "model/merge.h"
@@ -545,7 +546,7 @@ static void show_mesh(making *m, const vv_world *from, const vv_dataset *dataset
 
 vv_status vvi_world_for_dataset(vv_world **out, const vv_world *from, const char *id, vv_job *job)
 {
-    const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(from->datasets, id);
+    const vv_dataset *dataset = vvi_dataset_named(from, id);
     *out = NULL;
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", id);

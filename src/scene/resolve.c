@@ -2,6 +2,7 @@
 #include "scene/resolve.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "model/contents.h"
 #include "scene/lights.h"
 #include "scene/visible_mesh.h"
 #include "scene/visible_volume.h"
@@ -32,15 +33,6 @@ static vv_status find_view(vvi_resolved *r, const char *id)
                       views->entry[0].id);
 }
 
-static bool shows_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
-{
-    const vv_collection *all = world->datasets;
-    const vv_object *data = volume->data  ? vv_collection_find(all, volume->data)
-                            : all->n == 1 ? all->entry[0].object
-                                          : NULL;
-    return data && vv_dataset_is_mesh((const vv_dataset *)data, job);
-}
-
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
 {
     const vv_render_choice *choice = (const vv_render_choice *)view->render;
@@ -48,9 +40,9 @@ const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *jo
     if (choice->method)
         return choice->method;
     for (size_t i = 0; i < world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)world->volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(world, i);
         if (volume->visible)
-            contents |= shows_mesh(world, volume, job) ? VV_CONTENT_MESHES : VV_CONTENT_SAMPLES;
+            contents |= vvi_volume_is_mesh(world, volume, job) ? VV_CONTENT_MESHES : VV_CONTENT_SAMPLES;
     }
     return vv_registry_renderer_for(vvi_job_registry(job), contents)->name;
 }
@@ -127,11 +119,11 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     if (!r->scene.actors || !r->scene.mesh_actors)
         return vv_fail_memory(bytes + shape_bytes);
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
-        const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(r->scene.world, i);
         const char *id = volumes->entry[i].id;
         if (!volume->visible)
             continue;
-        if (shows_mesh(r->scene.world, volume, job))
+        if (vvi_volume_is_mesh(r->scene.world, volume, job))
             st = vvi_resolve_mesh_actor(&r->scene.mesh_actors[r->scene.n_mesh_actors++], &r->load_s, r->scene.world, id,
                                         volume, job);
         else

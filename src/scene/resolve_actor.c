@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "model/contents.h"
 #include "model/placement.h"
 #include "scene/colors.h"
 #include "scene/resolve.h"
@@ -200,7 +201,7 @@ static vv_status load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_j
     char text[256];
     if (!paint->data)
         return VV_OK;
-    const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(cast->world->datasets, paint->data);
+    const vv_dataset *dataset = vvi_dataset_named(cast->world, paint->data);
     if (!dataset) {
         snprintf(text, sizeof text, "there is no dataset '%.100s'; 'datasets' has %zu", paint->data,
                  cast->world->datasets->n);

@@ -1,6 +1,7 @@
 /* What was worked out, written back as explicit properties: a World that shows the same without working it out. */
 #include "core/text.h"
 #include "core/units.h"
+#include "model/contents.h"
 #include "model/context.h"
 #include "scene/lights.h"
 #include "scene/resolve.h"
@@ -102,7 +103,7 @@ static void fix_overlay(writer *w, const vv_slice_look *look)
 
 static void fix_actor(writer *w, const vv_actor *actor, bool first, const vv_world *world)
 {
-    const vv_volume *volume = (const vv_volume *)vv_collection_find(world->volumes, actor->id);
+    const vv_volume *volume = vvi_volume_named(world, actor->id);
     snprintf(w->prefix, sizeof w->prefix, "volumes.%s.", actor->id);
     if (!volume->data)
         put_word(w, "data", world->datasets->entry[0].id);

@@ -1,4 +1,5 @@
 /* How slices show a volume: nothing of it can fail, so that other methods need not know of it. */
+#include "model/contents.h"
 #include "scene/resolve.h"
 #include "scene/two_sided.h"
 #include <math.h>
@@ -56,7 +57,7 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
 {
     vv_actor *actor = &scene->actors[i];
     vv_slice_look *look = &actor->slices;
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
+    const vv_volume *volume = vvi_volume_named(scene->world, actor->id);
     const vv_volume_slices *slices = (const vv_volume_slices *)(const void *)volume->slices;
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
     const vv_transfer *transfer = (const vv_transfer *)(const void *)segmentation->transfer;

@@ -1,5 +1,6 @@
 /* Amounts together with labels: the segments lie in what they were found in, and its skin would hide them. */
 #include "core/job.h"
+#include "model/contents.h"
 #include "scene/resolve.h"
 #include <math.h>
 
@@ -8,7 +9,7 @@
 
 static const vv_volume *volume_of(const vv_scene *scene, const vv_actor *actor)
 {
-    return (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
+    return vvi_volume_named(scene->world, actor->id);
 }
 
 /* Nobody says how opaque it is. */

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "core/units.h"
+#include "model/contents.h"
 #include "scene/resolve.h"
 
 #include <math.h>
@@ -121,7 +122,7 @@ vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *vi
 
 bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_registry *registry)
 {
-    const vv_view *v = (const vv_view *)(const void *)vv_collection_find(world->views, view);
+    const vv_view *v = vvi_view_named(world, view);
     const char *method = v ? ((const vv_render_choice *)(const void *)v->render)->method : NULL;
     for (size_t i = 0; method && registry->renderers[i]; i++)
         if (strcmp(registry->renderers[i]->name, method) == 0)
@@ -131,7 +132,7 @@ bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_regis
 
 vv_status vvi_camera_scale(vv_world **world, const char *view, double scale)
 {
-    const vv_view *v = (const vv_view *)(const void *)vv_collection_find((*world)->views, view);
+    const vv_view *v = vvi_view_named(*world, view);
     vv_object *root = &(*world)->base;
     char size[32];
     if (!v)

@@ -188,7 +188,7 @@ vv_status vvi_client_save_camera(vvi_client *client)
 vv_status vvi_client_fix_view(vvi_client *client)
 {
     vv_world *world = vv_model_snapshot(client->session->model);
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    const vv_view *view = vvi_view_named(world, client->view);
     if (client->has_stand && !(view && view->camera && vv_object_is_set(view->camera, "eye")))
         client->unsaved = true;
     vv_object_release(&world->base);

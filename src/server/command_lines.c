@@ -12,7 +12,7 @@
 
 const vv_dataset *vvi_command_dataset(const vv_world *world, const char *id)
 {
-    return id ? (const vv_dataset *)(const void *)vv_collection_find(world->datasets, id) : NULL;
+    return id ? vvi_dataset_named(world, id) : NULL;
 }
 
 /* Words ----------------------------------------------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/os.h"
 #include "core/vec.h"
+#include "model/contents.h"
 #include "model/dataset.h"
 
 #include <math.h>
@@ -56,9 +57,9 @@ static vv_status fail_unseen(const work *w)
 /* What is shown now, and where its data's own space is. */
 static vv_status find_actor(work *w)
 {
-    const vv_object *volume = vv_collection_find(w->world->volumes, w->wish->volume);
+    const vv_volume *volume = vvi_volume_named(w->world, w->wish->volume);
     bool mesh = false;
-    w->frame = volume ? ((const vv_volume *)(const void *)volume)->frame : 0;
+    w->frame = volume ? volume->frame : 0;
     for (size_t i = 0; i < w->scene->n_mesh_actors; i++)
         mesh |= strcmp(w->scene->mesh_actors[i].look.id, w->wish->volume) == 0;
     for (size_t i = 0; i < w->scene->n_actors; i++)
@@ -75,7 +76,7 @@ static vv_status find_actor(work *w)
 
 static vv_status open_recipe(work *w)
 {
-    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(w->world->datasets, w->id);
+    const vv_dataset *dataset = vvi_dataset_named(w->world, w->id);
     vv_status st = vvi_made_open(&w->made, w->world, dataset, w->job);
     if (st == VV_OK)
         st = vvi_made_params(&w->params, &w->made, w->job);

@@ -76,19 +76,11 @@ vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message
 /* The volume that a message names, else the first; NULL, and an error. */
 const vv_volume *vvi_request_volume(const vv_world *world, const char *id, const vv_dataset **dataset_out)
 {
-    const vv_object *found = id                  ? vv_collection_find(world->volumes, id)
-                             : world->volumes->n ? world->volumes->entry[0].object
-                                                 : NULL;
-    const vv_volume *volume = (const vv_volume *)(const void *)found;
-    const vv_collection *all = world->datasets;
-    const vv_object *data = !volume        ? NULL
-                            : volume->data ? vv_collection_find(all, volume->data)
-                            : all->n       ? all->entry[0].object
-                                           : NULL;
-    *dataset_out = (const vv_dataset *)(const void *)data;
-    if (!volume || !data)
+    const vv_volume *volume = id ? vvi_volume_named(world, id) : world->volumes->n ? vvi_volume_nth(world, 0) : NULL;
+    *dataset_out = volume ? vvi_volume_dataset(world, volume) : NULL;
+    if (!*dataset_out)
         vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' with data", id ? id : "");
-    return volume && data ? volume : NULL;
+    return *dataset_out ? volume : NULL;
 }
 
 static void put_statistics(vvi_result *out, const vv_statistics *s, const char *unit)
@@ -165,7 +157,7 @@ vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *me
 static vv_status run_info(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->name);
+    const vv_dataset *dataset = vvi_dataset_named(r->world, r->name);
     vv_field_info info;
     vv_answer *answer = NULL;
     if (!dataset)

@@ -134,8 +134,8 @@ static const char *only_shown(const vv_world *world)
 {
     const char *only = NULL;
     for (size_t i = 0; i < world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        const char *data = volume->data ? volume->data : world->datasets->n ? world->datasets->entry[0].id : NULL;
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        const char *data = vvi_volume_dataset_id(world, volume);
         if (!data || (only && strcmp(only, data) != 0))
             return NULL;
         only = data;

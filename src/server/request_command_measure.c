@@ -90,7 +90,7 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         st = vvi_measured_volume_take(&measured, field, NULL, "", r->world, volume, r->view, job);
     if (st == VV_OK && is_file(volume, &measured)) {
         *whole = true;
-        st = put_line(out, r, volume->data ? volume->data : r->world->datasets->entry[0].id, m, &measured.data, job);
+        st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, &measured.data, job);
     }
     vvi_measured_volume_finish(&measured);
     vv_field_release(field);
@@ -100,12 +100,12 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_object *found = vv_collection_find(r->world->measurements, r->name);
+    const vv_measurement *found = vvi_measurement_named(r->world, r->name);
     vvi_text text = {0};
     bool whole;
     if (!found)
         return vv_fail(VV_E_NOT_FOUND, "there is no measurement '%.64s'", r->name);
-    vv_status st = put_file(&text, &whole, r, (const vv_measurement *)(const void *)found, job);
+    vv_status st = put_file(&text, &whole, r, found, job);
     if (st == VV_OK && !whole) {
         vvi_text_add(&text, "volvis measure stored scene.vv.json ");
         vvi_command_quote(&text, r->name);

@@ -85,7 +85,7 @@ static vv_status open_beside(source *s, const vv_measured_data **data, vv_object
     if (!id)
         return VV_OK;
     const char *name = json_string_value(id);
-    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, name);
+    const vv_dataset *dataset = vvi_dataset_named(r->world, name);
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "%s: the dataset '%.64s' no longer exists", property, name);
     if (vv_dataset_is_mesh(dataset, job))

@@ -65,7 +65,7 @@ static vv_status put_preview(vvi_result *out, const vvi_preview *p, vv_job *job)
 static vv_status show_input(bool *changed_out, vv_world **world, const vvi_request *r)
 {
     char path[VVI_REQUEST_ID + 32], name[VVI_REQUEST_ID + 32];
-    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find((*world)->volumes, r->name);
+    const vv_volume *volume = vvi_volume_named(*world, r->name);
     *changed_out = volume && volume->data && strcmp(volume->data, r->dataset) != 0;
     if (!*changed_out)
         return VV_OK;
@@ -120,12 +120,11 @@ static void done(vvi_task *task, vv_status st)
 /* The volume that is named, else the first visible one of these data. */
 static vv_status take_volume(vvi_request *r, const char *name)
 {
-    const vv_collection *all = r->world->volumes;
-    const char *first = r->world->datasets->n ? r->world->datasets->entry[0].id : "";
-    for (size_t i = 0; i < all->n && !name; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)all->entry[i].object;
-        if (volume->visible && strcmp(volume->data ? volume->data : first, r->dataset) == 0)
-            name = all->entry[i].id;
+    for (size_t i = 0; i < r->world->volumes->n && !name; i++) {
+        const vv_volume *volume = vvi_volume_nth(r->world, i);
+        const char *id = vvi_volume_dataset_id(r->world, volume);
+        if (volume->visible && id && strcmp(id, r->dataset) == 0)
+            name = r->world->volumes->entry[i].id;
     }
     if (!name)
         return vv_fail(VV_E_NOT_FOUND, "no visible volume shows '%.64s': show it to see a preview", r->dataset);

@@ -42,8 +42,7 @@ static bool shows(const vv_world *world, const vv_volume *volume, const char *da
 static size_t first_shown(const vv_world *world, const char *dataset)
 {
     size_t i = 0;
-    while (i < world->volumes->n &&
-           !shows(world, (const vv_volume *)(const void *)world->volumes->entry[i].object, dataset))
+    while (i < world->volumes->n && !shows(world, vvi_volume_nth(world, i), dataset))
         i++;
     return i;
 }
@@ -52,7 +51,7 @@ static size_t first_shown(const vv_world *world, const char *dataset)
 static int64_t shown_frame(const vv_world *world, const char *dataset)
 {
     const size_t i = first_shown(world, dataset);
-    return i < world->volumes->n ? ((const vv_volume *)(const void *)world->volumes->entry[i].object)->frame : 0;
+    return i < world->volumes->n ? vvi_volume_nth(world, i)->frame : 0;
 }
 
 /* What cannot be made, and what makes nothing, does not come to be. */
@@ -68,9 +67,8 @@ static vv_status run(vvi_task *task, vv_job *job)
     vv_status st = vvi_request_make_world(&world, r, id);
     const unsigned faults = vvi_mapping_faults();
     if (st == VV_OK) {
-        const vv_object *made = vv_collection_find(world->datasets, id);
-        st = vvi_made_work_out(&data, world, (const vv_dataset *)(const void *)made, shown_frame(world, r->dataset),
-                               job);
+        const vv_dataset *made = vvi_dataset_named(world, id);
+        st = vvi_made_work_out(&data, world, made, shown_frame(world, r->dataset), job);
     }
     if (st == VV_OK)
         st = vvi_mapping_check_since(faults);
@@ -109,7 +107,7 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, json_t *re
     json_t *edits = json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "datasets", "id", id, "value", recipe);
     const size_t first = first_shown(world, r->dataset);
     for (size_t i = first; edits && i < world->volumes->n; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const vv_volume *volume = vvi_volume_nth(world, i);
         if (i == first || !volume->data)
             add_shown(edits, world, i, i == first ? id : r->dataset);
     }

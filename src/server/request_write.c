@@ -28,7 +28,7 @@ static const char *shown_from(const vv_world *world, const char *folder)
 {
     struct stat here, source;
     for (size_t i = 0; i < world->datasets->n && stat(folder, &here) == 0; i++) {
-        const vv_dataset *d = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const vv_dataset *d = vvi_dataset_nth(world, i);
         if (d->path && stat(d->path, &source) == 0 && source.st_dev == here.st_dev && source.st_ino == here.st_ino)
             return world->datasets->entry[i].id;
     }
@@ -114,7 +114,7 @@ static vv_status check_sources(const vvi_request *r)
     if (stat(r->path, &target) != 0)
         return VV_OK;
     for (size_t i = 0; i < r->world->datasets->n; i++) {
-        const vv_dataset *d = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
+        const vv_dataset *d = vvi_dataset_nth(r->world, i);
         if (d->path && stat(d->path, &source) == 0 && source.st_dev == target.st_dev && source.st_ino == target.st_ino)
             return vv_fail(VV_E_ARGUMENT, "%s is the file of the dataset '%.64s'; choose another name",
                            strrchr(r->path, '/') + 1, r->world->datasets->entry[i].id);
@@ -125,14 +125,14 @@ static vv_status check_sources(const vvi_request *r)
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_object *dataset = vv_collection_find(r->world->datasets, r->dataset);
+    const vv_dataset *dataset = vvi_dataset_named(r->world, r->dataset);
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->dataset);
     vv_status st = check_sources(r);
     if (st == VV_OK)
         st = vvi_request_keep_existing(r, job);
     if (st == VV_OK)
-        st = vvi_made_write(r->path, r->world, (const vv_dataset *)(const void *)dataset, job);
+        st = vvi_made_write(r->path, r->world, dataset, job);
     if (st != VV_OK)
         return vvi_request_note_exists(r, st);
     vvi_request_take_notes(r, job);

@@ -37,13 +37,13 @@ static bool is_of_planes(const char *path)
 
 static bool shows_measurements(const vvi_client *client, const vv_world *world)
 {
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    const vv_view *view = vvi_view_named(world, client->view);
     return !view || ((const vv_decorations *)(const void *)view->decorations)->measurements;
 }
 
 static bool shows_planes(const vvi_client *client, const vv_world *world)
 {
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    const vv_view *view = vvi_view_named(world, client->view);
     return !view || ((const vv_decorations *)(const void *)view->decorations)->cross_hair ||
            vvi_camera_is_plane(world, client->view, vv_runtime_registry(client->session->options.runtime));
 }

@@ -6,6 +6,7 @@
 #include "core/cache.h"
 #include "core/result.h"
 #include "input/input.h"
+#include "model/contents.h"
 #include "server/audit.h"
 #include "server/journal.h"
 #include "server/pace.h"

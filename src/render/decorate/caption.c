@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/names.h"
 #include "core/units.h"
+#include "model/contents.h"
 #include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
@@ -37,7 +38,7 @@ static const vv_actor *first(const vv_scene *scene)
 static void put_file(vvi_text *out, const vv_scene *scene)
 {
     const vv_collection *all = scene->world->datasets;
-    const vv_dataset *dataset = all->n ? (const vv_dataset *)(const void *)all->entry[0].object : NULL;
+    const vv_dataset *dataset = all->n ? vvi_dataset_nth(scene->world, 0) : NULL;
     const char *path = dataset ? dataset->path : NULL, *slash = path ? strrchr(path, '/') : NULL;
     vvi_text_add(out, path ? (slash && slash[1] ? slash + 1 : path) : all->n ? all->entry[0].id : "");
 }

@@ -2,6 +2,7 @@
  * lines, each as high as it needs; where that is too high, curves go first, then rows from the end. */
 #include "core/memory.h"
 #include "grid/label_id.h"
+#include "model/contents.h"
 #include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
@@ -39,7 +40,7 @@ typedef struct vvi_sheet_legend_line {
 
 static const vv_volume *volume_of(const vv_scene *scene, const vv_actor *actor)
 {
-    return (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
+    return vvi_volume_named(scene->world, actor->id);
 }
 
 static const char *name_of(const vv_scene *scene, const vv_actor *actor)

@@ -4,6 +4,7 @@
 #include "core/text.h"
 #include "core/vec.h"
 #include "measuring/measuring.h"
+#include "model/contents.h"
 #include "render/decorate/region_lines.h"
 #include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
@@ -22,7 +23,7 @@ enum { CORNERS = 8, EDGES = 12, RINGS = 3 };
 
 static const vv_measurement *nth(const vv_scene *scene, size_t i)
 {
-    return (const vv_measurement *)(const void *)scene->world->measurements->entry[i].object;
+    return vvi_measurement_nth(scene->world, i);
 }
 
 /* Those of other files are of no place in this World. */
@@ -31,7 +32,7 @@ static bool is_here(const vv_scene *scene, const vv_measurement *m)
     const vv_collection *all = scene->world->datasets;
     bool here = !m->file;
     for (size_t i = 0; i < all->n && !here; i++) {
-        const vv_dataset *d = (const vv_dataset *)(const void *)all->entry[i].object;
+        const vv_dataset *d = vvi_dataset_nth(scene->world, i);
         here = d->path && strcmp(d->path, m->file) == 0;
     }
     return here;

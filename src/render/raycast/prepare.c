@@ -4,6 +4,7 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "model/contents.h"
 #include "render/common/half_volume.h"
 #include "scene/label_ids.h"
 #include "scene/resolve.h"
@@ -64,8 +65,7 @@ static vv_status fail_of(const vv_actor *actor, const vv_scene *scene, vv_status
 {
     char path[160];
     const vv_dataset *dataset = NULL;
-    const vv_volume *volume =
-        scene->world ? (const vv_volume *)vv_collection_find(scene->world->volumes, actor->id) : NULL;
+    const vv_volume *volume = scene->world ? vvi_volume_named(scene->world, actor->id) : NULL;
     snprintf(path, sizeof path, "volumes.%.128s", actor->id);
     const vv_error *last = vv_error_last();
     char text[512];
