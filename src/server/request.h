@@ -38,22 +38,23 @@ typedef struct vvi_request_task {
 /** A request with the World as its client sees it, cameras and all; done() answers, drop() frees it. */
 vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, const char *name,
                           vv_status (*run)(vvi_task *task, vv_job *job));
-/** One of its texts, copied (NULL: none). Without memory the request is dropped. */
-vv_status vvi_request_copy(char **out, vvi_request *request, const char *text);
-/** Takes the request in any case. Quick ones do not wait for slow ones. */
-vv_status vvi_request_add_quick(vvi_request *request);
+/** A text of a message, copied; NULL: it has none of that name. */
+vv_status vvi_request_take_text(char **out, const json_t *message, const char *member);
+/** Its view gets so many pixels. */
+vv_status vvi_request_size(vvi_request *request, int32_t width, int32_t height);
+/** Takes the request in any case: where something has failed since it is new, `status`, it is dropped. Quick ones do
+ * not wait for slow ones. */
+vv_status vvi_request_add_quick(vvi_request *request, vv_status status);
+vv_status vvi_request_add_slow(vvi_request *request, vv_status status);
 /** The answer of a quick one. */
 void vvi_request_answer(vvi_request *request, vv_status st);
-vv_status vvi_request_add_slow(vvi_request *request);
 /** A member "data:TYPE;base64,...". */
 vv_status vvi_request_put_bytes(vvi_result *out, const char *key, const char *type, const uint8_t *bytes, size_t n);
 /** {"text": ...} as the value of the answer; takes the text. */
 void vvi_request_tell_text(vvi_request *request, vvi_text *text);
-/** What a message says of the inputs of r->operation: the dataset, and others by operand. VV_E_ARGUMENT: not as they
- * must be. */
-vv_status vvi_request_take_inputs(vvi_request *request, const json_t *message);
-/** And of its parameters: VV_E_ARGUMENT (no object), VV_E_LIMIT. */
-vv_status vvi_request_take_parameters(vvi_request *request, const json_t *message);
+/** What a message says of an operation: its row, its inputs (the dataset, and others by operand) and its parameters.
+ * VV_E_NOT_FOUND, VV_E_ARGUMENT (not as they must be), VV_E_LIMIT. */
+vv_status vvi_request_take_operation(vvi_request *request, const json_t *message);
 
 /** The decorations of a view that shows the data alone: without those that are there by themselves. */
 #define VVI_NO_DECORATIONS "{\"measurements\": false}"

@@ -58,19 +58,12 @@ vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1))
         return vv_fail(VV_E_ARGUMENT, "a pick is at x and y from 0 to 1");
-    vv_status st = vvi_request_new(&r, client, id, "pick", run_pick);
+    const vv_status st = vvi_request_new(&r, client, id, "pick", run_pick);
     if (st != VV_OK)
         return st;
-    vv_world *sized = NULL;
-    if ((st = vvi_camera_world(&sized, r->world, r->view, NULL, client->width, client->height)) != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
-    vv_object_release(&r->world->base);
-    r->world = sized;
     r->pixel = (vv_pixel){(int32_t)fmin(x * client->width, client->width - 1),
                           (int32_t)fmin(y * client->height, client->height - 1)};
-    return vvi_request_add_quick(r);
+    return vvi_request_add_quick(r, vvi_request_size(r, client->width, client->height));
 }
 
 /* The volume that a message names, else the first; NULL, and an error. */
@@ -141,12 +134,9 @@ static vv_status run_histogram(vvi_task *task, vv_job *job)
 vv_status vvi_request_of_volume(vvi_client *client, int64_t id, const json_t *message, const char *name,
                                 vv_status (*run)(vvi_task *task, vv_job *job))
 {
-    const char *volume = json_string_value(json_object_get(message, "volume"));
     vvi_request *r;
-    vv_status st = vvi_request_new(&r, client, id, name, run);
-    if (st == VV_OK)
-        st = vvi_request_copy(&r->name, r, volume);
-    return st == VV_OK ? vvi_request_add_quick(r) : st;
+    const vv_status st = vvi_request_new(&r, client, id, name, run);
+    return st == VV_OK ? vvi_request_add_quick(r, vvi_request_take_text(&r->name, message, "volume")) : st;
 }
 
 vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message)
@@ -175,12 +165,9 @@ static vv_status run_info(vvi_task *task, vv_job *job)
 
 vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *dataset = json_string_value(json_object_get(message, "dataset"));
     vvi_request *r;
-    if (!dataset)
+    if (!json_is_string(json_object_get(message, "dataset")))
         return vv_fail(VV_E_ARGUMENT, "'info' needs a dataset");
-    vv_status st = vvi_request_new(&r, client, id, "info", run_info);
-    if (st == VV_OK)
-        st = vvi_request_copy(&r->name, r, dataset);
-    return st == VV_OK ? vvi_request_add_quick(r) : st;
+    const vv_status st = vvi_request_new(&r, client, id, "info", run_info);
+    return st == VV_OK ? vvi_request_add_quick(r, vvi_request_take_text(&r->name, message, "dataset")) : st;
 }

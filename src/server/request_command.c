@@ -200,30 +200,6 @@ static vv_status run_command(vvi_task *task, vv_job *job)
 
 /* Asking ---------------------------------------------------------------------------------------------------------- */
 
-/* The line has the picture's size. */
-static vv_status size_world(vvi_request *r, const vvi_client *client)
-{
-    vv_world *sized = NULL;
-    const vv_status st = vvi_camera_world(&sized, r->world, r->view, NULL, client->width, client->height);
-    if (st == VV_OK) {
-        vv_object_release(&r->world->base);
-        r->world = sized;
-    }
-    return st;
-}
-
-static vv_status take_operation(vvi_request *r, const json_t *message)
-{
-    const char *name = json_string_value(json_object_get(message, "operation"));
-    if (!name)
-        return vv_fail(VV_E_ARGUMENT, "'command' of an operation needs an operation and a dataset");
-    r->operation = vv_registry_operation(vv_runtime_registry(r->session->options.runtime), name);
-    if (!r->operation)
-        return VV_E_NOT_FOUND;
-    const vv_status st = vvi_request_take_parameters(r, message);
-    return st == VV_OK ? vvi_request_take_inputs(r, message) : st;
-}
-
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)
 {
     const bool one = json_object_get(message, "operation") != NULL;
@@ -235,9 +211,6 @@ vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *mess
         st = vvi_request_new(&r, client, id, "command", one ? run_operation_command : run_command);
     if (st != VV_OK)
         return st;
-    st = one ? take_operation(r, message) : size_world(r, client);
-    if (st == VV_OK)
-        return vvi_request_add_quick(r);
-    r->task.drop(&r->task);
-    return st;
+    st = one ? vvi_request_take_operation(r, message) : vvi_request_size(r, client->width, client->height);
+    return vvi_request_add_quick(r, st);
 }

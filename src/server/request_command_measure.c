@@ -100,11 +100,11 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    const vv_measurement *found = vvi_measurement_named(r->world, r->name);
+    const vv_measurement *found = r->name ? vvi_measurement_named(r->world, r->name) : NULL;
     vvi_text text = {0};
     bool whole;
     if (!found)
-        return vv_fail(VV_E_NOT_FOUND, "there is no measurement '%.64s'", r->name);
+        return vv_fail(VV_E_NOT_FOUND, "there is no measurement '%.64s'", r->name ? r->name : "");
     vv_status st = put_file(&text, &whole, r, found, job);
     if (st == VV_OK && !whole) {
         vvi_text_add(&text, "volvis measure stored scene.vv.json ");
@@ -119,12 +119,7 @@ static vv_status run(vvi_task *task, vv_job *job)
 
 vv_status vvi_request_command_measure(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *name = json_string_value(json_object_get(message, "measurement"));
     vvi_request *r;
-    vv_status st = vvi_request_new(&r, client, id, "command", run);
-    if (st != VV_OK)
-        return st;
-    if ((st = vvi_request_copy(&r->name, r, name ? name : "")) != VV_OK)
-        return st;
-    return vvi_request_add_quick(r);
+    const vv_status st = vvi_request_new(&r, client, id, "command", run);
+    return st == VV_OK ? vvi_request_add_quick(r, vvi_request_take_text(&r->name, message, "measurement")) : st;
 }

@@ -144,17 +144,13 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!path)
         return vv_fail(VV_E_ARGUMENT, "'open' needs a path");
-    vv_status st = vvi_request_new(&r, client, id, "open", run_open);
+    const vv_status st = vvi_request_new(&r, client, id, "open", run_open);
     if (st != VV_OK)
         return st;
     r->add = json_is_true(json_object_get(message, "add")) && r->world->volumes->n > 0;
     r->task.done = done_open;
     r->changes = r->task.stays = true;
-    if ((st = vvi_files_resolve_part(&r->path, &r->name, client->session, path)) != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
-    return vvi_request_add_slow(r);
+    return vvi_request_add_slow(r, vvi_files_resolve_part(&r->path, &r->name, client->session, path));
 }
 
 enum { SAMPLE_SIDE = 128, SAMPLE_BYTES = 4 * SAMPLE_SIDE * SAMPLE_SIDE * SAMPLE_SIDE };
@@ -198,10 +194,7 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
     free(folder);
     if (r->path && access(r->path, R_OK) != 0)
         st = vvi_session_make_room(client->session, SAMPLE_BYTES);
-    if (st == VV_OK && r->name && r->path)
-        return vvi_request_add_slow(r);
-    r->task.drop(&r->task);
-    return st == VV_OK ? vv_fail_memory(256) : st;
+    return vvi_request_add_slow(r, st == VV_OK && !(r->name && r->path) ? vv_fail_memory(256) : st);
 }
 
 /* Saving ---------------------------------------------------------------------------------------------------------- */
@@ -237,14 +230,10 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     char *full = vvi_files_is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
     st = full ? vvi_request_take_place(r, path, full) : vv_fail_memory(strlen(path));
     free(full);
-    if (st != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
     const char *saved = client->session->saved;
     r->task.done = done_save;
     r->task.alone = true; /* which of two is the first to have a name is settled */
     r->task.stays = true;
-    r->replace = json_is_true(json_object_get(message, "replace")) || (saved && strcmp(saved, r->path) == 0);
-    return vvi_request_add_quick(r);
+    r->replace = json_is_true(json_object_get(message, "replace")) || (st == VV_OK && saved && !strcmp(saved, r->path));
+    return vvi_request_add_quick(r, st);
 }

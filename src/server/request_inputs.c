@@ -60,15 +60,10 @@ static vv_status check_inputs(const vv_operation *operation, json_t *inputs)
     return VV_OK;
 }
 
-vv_status vvi_request_take_inputs(vvi_request *r, const json_t *message)
+static vv_status take_inputs(vvi_request *r, const json_t *message)
 {
-    const char *dataset = json_string_value(json_object_get(message, "dataset"));
     json_t *inputs = json_object_get(message, "inputs");
     const double most = vv_class_find(&vv_dataset_class, "inputs")->max;
-    if (!dataset)
-        return vv_fail(VV_E_ARGUMENT, "'%s' needs a dataset", r->operation->name);
-    if (!(r->dataset = vvi_strdup(dataset)))
-        return vv_fail_memory(strlen(dataset));
     if (!inputs || json_is_null(inputs) || (json_is_object(inputs) && json_object_size(inputs) == 0))
         return VV_OK;
     const vv_status st = check_inputs(r->operation, inputs);
@@ -82,7 +77,7 @@ vv_status vvi_request_take_inputs(vvi_request *r, const json_t *message)
     return vv_fail(VV_E_LIMIT, "the inputs are %zu bytes long: at most %.0f are allowed", strlen(r->inputs), most);
 }
 
-vv_status vvi_request_take_parameters(vvi_request *r, const json_t *message)
+static vv_status take_parameters(vvi_request *r, const json_t *message)
 {
     const json_t *parameters = json_object_get(message, "parameters");
     const double most = vv_class_find(&vv_dataset_class, "parameters")->max;
@@ -95,6 +90,19 @@ vv_status vvi_request_take_parameters(vvi_request *r, const json_t *message)
         return VV_OK;
     return vv_fail(VV_E_LIMIT, "the parameters are %zu bytes long: at most %.0f are allowed", strlen(r->parameters),
                    most);
+}
+
+vv_status vvi_request_take_operation(vvi_request *r, const json_t *message)
+{
+    const char *operation = json_string_value(json_object_get(message, "operation"));
+    vv_status st = vvi_request_take_text(&r->dataset, message, "dataset");
+    if (st == VV_OK && (!operation || !r->dataset))
+        st = vv_fail(VV_E_ARGUMENT, "'%s' needs an operation and a dataset", r->task.name);
+    if (st != VV_OK)
+        return st;
+    r->operation = vv_registry_operation(vv_runtime_registry(r->session->options.runtime), operation);
+    st = r->operation ? take_parameters(r, message) : VV_E_NOT_FOUND;
+    return st == VV_OK ? take_inputs(r, message) : st;
 }
 
 /* Data ------------------------------------------------------------------------------------------------------------- */

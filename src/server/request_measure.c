@@ -251,20 +251,14 @@ static vv_status take_inputs(vvi_request *r, const json_t *message)
 
 vv_status vvi_request_measure(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *volume = json_string_value(json_object_get(message, "volume"));
     vvi_request *r;
     vv_status st = vvi_request_new(&r, client, id, "measure", run);
     if (st != VV_OK)
         return st;
     r->task.done = vvi_request_done_slowly;
     r->add = json_is_true(json_object_get(message, "plot"));
-    if ((st = vvi_request_copy(&r->name, r, volume)) != VV_OK)
-        return st;
-    if ((st = take_question(r, json_object_get(message, "question"))) == VV_OK)
+    if ((st = vvi_request_take_text(&r->name, message, "volume")) == VV_OK &&
+        (st = take_question(r, json_object_get(message, "question"))) == VV_OK)
         st = take_inputs(r, message);
-    if (st != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
-    return vvi_request_add_slow(r);
+    return vvi_request_add_slow(r, st);
 }

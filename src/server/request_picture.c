@@ -142,7 +142,6 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     vv_status st = vvi_client_fix_view(client);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "picture", run_picture)) != VV_OK)
         return st;
-    vv_world *sized = NULL;
     r->task.done = done_picture;
     r->task.alone = w * h > PIXELS_BESIDE;
     r->name = plain_name(json_string_value(json_object_get(message, "name")));
@@ -156,16 +155,8 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     if (st == VV_OK)
         st = vv_image_check_size(r->path, (int32_t)w, (int32_t)h, NULL);
     if (st == VV_OK)
-        st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)w, (int32_t)h);
+        st = vvi_request_size(r, (int32_t)w, (int32_t)h);
     if (st == VV_OK && json_is_true(json_object_get(message, "plain")))
-        st = take_decorations(&sized, r->view);
-    if (st != VV_OK) {
-        if (sized)
-            vv_object_release(&sized->base);
-        r->task.drop(&r->task);
-        return st;
-    }
-    vv_object_release(&r->world->base);
-    r->world = sized;
-    return vvi_request_add_slow(r);
+        st = take_decorations(&r->world, r->view);
+    return vvi_request_add_slow(r, st);
 }

@@ -138,22 +138,15 @@ static vv_status size_world(vvi_request *r, const vvi_client *client)
     const vv_registry *registry = vv_runtime_registry(r->session->options.runtime);
     const double pixels = (double)client->width * client->height;
     const double scale = vvi_camera_is_plane(r->world, r->view, registry) ? 1 : fmin(sqrt(PIXELS_MOST / pixels), 1);
-    vv_world *sized = NULL;
-    vv_status st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)fmax(client->width * scale, 1),
-                                    (int32_t)fmax(client->height * scale, 1));
-    if (st == VV_OK)
-        st = vvi_camera_scale(&sized, r->view, scale);
-    vv_object_release(&r->world->base);
-    r->world = sized;
-    return st;
+    const vv_status st =
+        vvi_request_size(r, (int32_t)fmax(client->width * scale, 1), (int32_t)fmax(client->height * scale, 1));
+    return st == VV_OK ? vvi_camera_scale(&r->world, r->view, scale) : st;
 }
 
 static vv_status take_message(vvi_request *r, const json_t *message, const vvi_client *client)
 {
     r->whole = json_is_true(json_object_get(message, "whole"));
-    vv_status st = vvi_request_take_inputs(r, message);
-    if (st == VV_OK)
-        st = vvi_request_take_parameters(r, message);
+    vv_status st = vvi_request_take_operation(r, message);
     if (st == VV_OK)
         st = take_volume(r, json_string_value(json_object_get(message, "volume")));
     return st == VV_OK ? size_world(r, client) : st;
@@ -168,24 +161,13 @@ void vvi_client_drop_preview(vvi_client *client)
 
 vv_status vvi_request_preview(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *operation = json_string_value(json_object_get(message, "operation"));
     vvi_request *r;
     vvi_client_drop_preview(client);
-    if (!operation)
-        return vv_fail(VV_E_ARGUMENT, "'preview' needs an operation and a dataset");
-    const vv_operation *row = vv_registry_operation(vv_runtime_registry(client->session->options.runtime), operation);
-    if (!row)
-        return VV_E_NOT_FOUND;
     vv_status st = vvi_request_new(&r, client, id, "preview", run);
     if (st != VV_OK)
         return st;
-    r->operation = row;
     r->task.done = done;
-    if ((st = take_message(r, message, client)) != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
-    if ((st = vvi_request_add_quick(r)) == VV_OK)
+    if ((st = vvi_request_add_quick(r, take_message(r, message, client))) == VV_OK)
         client->preview = r->task.number;
     return st;
 }

@@ -149,26 +149,13 @@ static void done(vvi_task *task, vv_status st)
 
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *operation = json_string_value(json_object_get(message, "operation"));
-    const char *dataset = json_string_value(json_object_get(message, "dataset"));
-    const vv_registry *registry = vv_runtime_registry(client->session->options.runtime);
     vvi_request *r;
-    if (!operation || !dataset)
-        return vv_fail(VV_E_ARGUMENT, "'run' needs an operation and a dataset");
-    const vv_operation *row = vv_registry_operation(registry, operation);
-    if (!row)
-        return VV_E_NOT_FOUND;
-    vv_status st = vvi_request_new(&r, client, id, row->name, run);
+    vv_status st = vvi_request_new(&r, client, id, "run", run);
     if (st != VV_OK)
         return st;
-    r->operation = row;
     r->task.done = done;
     r->changes = r->task.stays = true;
-    st = vvi_request_take_parameters(r, message);
-    if (st == VV_OK)
-        st = vvi_request_take_inputs(r, message);
-    if (st == VV_OK)
-        return vvi_request_add_slow(r);
-    r->task.drop(&r->task);
-    return st;
+    if ((st = vvi_request_take_operation(r, message)) == VV_OK)
+        r->task.name = r->operation->name;
+    return vvi_request_add_slow(r, st);
 }

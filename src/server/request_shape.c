@@ -96,18 +96,15 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     vv_status st = vvi_request_new(&r, client, id, "shape", run);
     if (st != VV_OK)
         return st;
-    if (!is_looking && (st = vvi_files_own_folder(&r->path, client->session, "shapes")) != VV_OK) {
-        r->task.drop(&r->task);
-        return st;
-    }
+    if (!is_looking)
+        st = vvi_files_own_folder(&r->path, client->session, "shapes");
     r->task.done = done;
     r->task.alone = true;
     r->wish = (vvi_page_shape_options){.boxes = boxes,
                                        .bytes = (size_t)(is_looking && most > BYTES ? BYTES : most),
                                        .folder = r->path,
                                        .numbers = &client->session->file_numbers};
-    st = vvi_request_add_quick(r);
-    if (st == VV_OK)
+    if ((st = vvi_request_add_quick(r, st)) == VV_OK)
         client->shape = r->task.number;
     return st;
 }

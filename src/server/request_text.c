@@ -78,5 +78,5 @@ vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *mes
     vvi_request *r;
     (void)message;
     const vv_status st = vvi_request_new(&r, client, id, "describe", run_describe);
-    return st == VV_OK ? vvi_request_add_quick(r) : st;
+    return st == VV_OK ? vvi_request_add_quick(r, VV_OK) : st;
 }

@@ -206,23 +206,19 @@ static vv_status run_thumbnail(vvi_task *task, vv_job *job)
 
 vv_status vvi_request_thumbnail(vvi_client *client, int64_t id, const json_t *message)
 {
-    const char *preset = json_string_value(json_object_get(message, "preset"));
-    const char *volume = json_string_value(json_object_get(message, "volume"));
     const json_t *width = json_object_get(message, "width"), *height = json_object_get(message, "height");
     const json_int_t w = width ? json_integer_value(width) : THUMBNAIL_WIDTH,
                      h = height ? json_integer_value(height) : THUMBNAIL_HEIGHT;
     vvi_request *r;
-    if (!preset)
+    if (!json_is_string(json_object_get(message, "preset")))
         return vv_fail(VV_E_ARGUMENT, "'thumbnail' needs a preset");
     if (w < 1 || h < 1 || w > THUMBNAIL_MOST || h > THUMBNAIL_MOST)
         return vv_fail(VV_E_ARGUMENT, "a thumbnail is 1 to %d pixels wide and high", THUMBNAIL_MOST);
     vv_status st = vvi_request_new(&r, client, id, "thumbnail", run_thumbnail);
-    if (st == VV_OK)
-        st = vvi_request_copy(&r->name, r, volume);
-    if (st == VV_OK)
-        st = vvi_request_copy(&r->parameters, r, preset);
     if (st != VV_OK)
         return st;
     r->pixel = (vv_pixel){(int32_t)w, (int32_t)h};
-    return vvi_request_add_quick(r);
+    if ((st = vvi_request_take_text(&r->name, message, "volume")) == VV_OK)
+        st = vvi_request_take_text(&r->parameters, message, "preset");
+    return vvi_request_add_quick(r, st);
 }

@@ -143,20 +143,16 @@ static vv_status run(vvi_task *task, vv_job *job)
 vv_status vvi_request_write(vvi_client *client, int64_t id, const json_t *message)
 {
     const char *path = json_string_value(json_object_get(message, "path"));
-    const char *dataset = json_string_value(json_object_get(message, "dataset"));
     vvi_request *r;
-    if (!dataset || !path || !*path)
+    if (!json_is_string(json_object_get(message, "dataset")) || !path || !*path)
         return vv_fail(VV_E_ARGUMENT, "'write' needs a dataset and a path");
     vv_status st = vvi_request_new(&r, client, id, "write", run);
-    if (st == VV_OK)
-        st = vvi_request_copy(&r->dataset, r, dataset);
     if (st != VV_OK)
         return st;
     r->task.done = vvi_request_done_slowly;
     r->task.stays = true;
     r->replace = json_is_true(json_object_get(message, "replace"));
-    if ((st = vvi_request_take_place(r, path, path)) == VV_OK)
-        return vvi_request_add_slow(r);
-    r->task.drop(&r->task);
-    return st;
+    if ((st = vvi_request_take_text(&r->dataset, message, "dataset")) == VV_OK)
+        st = vvi_request_take_place(r, path, path);
+    return vvi_request_add_slow(r, st);
 }

@@ -94,29 +94,45 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
     return VV_OK;
 }
 
-vv_status vvi_request_copy(char **out, vvi_request *r, const char *text)
+vv_status vvi_request_take_text(char **out, const json_t *message, const char *member)
 {
+    const char *text = json_string_value(json_object_get(message, member));
     *out = text ? vvi_strdup(text) : NULL;
-    if (*out || !text)
-        return VV_OK;
+    return *out || !text ? VV_OK : vv_fail_memory(strlen(text));
+}
+
+vv_status vvi_request_size(vvi_request *r, int32_t width, int32_t height)
+{
+    vv_world *sized = NULL;
+    const vv_status st = vvi_camera_world(&sized, r->world, r->view, NULL, width, height);
+    if (st != VV_OK)
+        return st;
+    vv_object_release(&r->world->base);
+    r->world = sized;
+    return VV_OK;
+}
+
+static vv_status add(vvi_request *r, vvi_tasks *to, int most, vv_status st)
+{
+    int64_t number;
+    if (st == VV_OK)
+        return vvi_tasks_add(&number, to, &r->task, (size_t)most);
     r->task.drop(&r->task);
-    return vv_fail_memory(strlen(text));
+    return st;
 }
 
-vv_status vvi_request_add_quick(vvi_request *r)
+vv_status vvi_request_add_quick(vvi_request *r, vv_status st)
 {
-    int64_t number;
-    return vvi_tasks_add(&number, r->session->quick, &r->task, r->session->options.read_only ? QUICK_LOOKING : QUICK);
+    return add(r, r->session->quick, r->session->options.read_only ? QUICK_LOOKING : QUICK, st);
 }
 
-vv_status vvi_request_add_slow(vvi_request *r)
+vv_status vvi_request_add_slow(vvi_request *r, vv_status st)
 {
-    int64_t number;
+    vvi_session *session = r->session;
     const bool changes = r->changes;
-    const vv_status st =
-        vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+    st = add(r, session->slow, session->options.read_only ? SLOW_LOOKING : SLOW, st);
     if (st == VV_OK && changes) /* it is served, and freed, by this thread alone */
-        r->asked = ++r->session->n_asked;
+        r->asked = ++session->n_asked;
     return st;
 }
 
