@@ -3,31 +3,12 @@
 #include "help.h"
 #include "usage.h"
 
-static const char *const kind_names[] = {"bool",   "integer",   "number", "enum",     "string",
-                                         "path",   "reference", "vec3",   "color",    "numbers",
-                                         "object", "list",      "map",    "variants", "members"};
-_Static_assert(sizeof kind_names / sizeof *kind_names == VV_KIND_MEMBERS + 1, "a kind of property has no name");
-static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
-
-static void add_limits(vvi_result *json, const vv_property *row)
-{
-    if (!row->limited)
-        return;
-    vvi_result_number(json, "min", row->min);
-    vvi_result_number(json, "max", row->max);
-}
-
+/* What is worked out has no default that could be given. */
 static void add_default(vvi_result *json, const vv_property *row)
 {
     if (row->automatic)
         vvi_result_string(json, "automatic", row->automatic);
-    else if (row->kind == VV_KIND_ENUM)
-        vvi_result_string(json, "default", row->names[(int)row->def]);
-    else if (row->kind == VV_KIND_BOOL)
-        vvi_result_bool(json, "default", row->def != 0);
-    else if (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)
-        vvi_result_number(json, "default", row->def);
-    else if (row->def_text)
+    else if (!vvi_property_tell_default(json, row) && row->def_text)
         vvi_result_string(json, "default", row->def_text);
 }
 
@@ -49,21 +30,14 @@ void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls)
         if (!cli_option_is_listed(row))
             continue;
         vvi_result_open(json, NULL, '{');
-        vvi_result_string(json, "name", row->name);
+        vvi_property_tell(json, row);
         if (row->option)
             vvi_result_string(json, "option", row->option);
-        vvi_result_string(json, "kind", kind_names[row->kind]);
-        vvi_result_string(json, "doc", row->doc);
         if (row->letter)
             vvi_result_string(json, "letter", letter);
-        if (row->quantity != VV_Q_NONE)
-            vvi_result_string(json, "quantity", quantity_names[row->quantity]);
-        if (row->unit)
-            vvi_result_string(json, "unit", row->unit);
         if (row->kind == VV_KIND_ENUM)
             vvi_result_strings(json, "values", row->names);
         add_aliases(json, row);
-        add_limits(json, row);
         add_default(json, row);
         vvi_result_close(json, '}');
     }

@@ -7,6 +7,7 @@
 #define VVI_CORE_RESULT_H
 #include "core/text.h"
 #include <volvis/field.h>
+#include <volvis/property.h>
 
 typedef struct vvi_result {
     vvi_text text;
@@ -29,4 +30,9 @@ void vvi_result_numbers(vvi_result *json, const char *key, const double *values,
 void vvi_result_strings(vvi_result *json, const char *key, const char *const *values);      /* ends with NULL */
 /** Text that is JSON already. */
 void vvi_result_raw(vvi_result *json, const char *key, const char *value);
+/** What everybody is told of a row (property_tell.c): its name, kind, line of documentation, quantity, unit and range.
+ */
+void vvi_property_tell(vvi_result *json, const vv_property *row);
+/** "default", where that is no text; false: it is, or there is none. */
+bool vvi_property_tell_default(vvi_result *json, const vv_property *row);
 #endif

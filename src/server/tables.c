@@ -9,11 +9,6 @@
 #include <volvis/model.h>
 #include <volvis/render.h>
 
-static const char *const kinds[] = {"bool",  "integer", "number", "enum", "string", "path",     "reference", "vector",
-                                    "color", "numbers", "object", "list", "map",    "variants", "members"};
-_Static_assert(sizeof kinds / sizeof *kinds == VV_KIND_MEMBERS + 1, "a kind of property has no name");
-static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
-
 enum { CLASSES_MOST = 128 };
 
 /* Classes that were met, each told once. */
@@ -31,37 +26,16 @@ static void meet(known *k, const vv_class *cls)
         k->cls[k->n++] = cls;
 }
 
-static void tell_default(vvi_result *out, const vv_property *row)
-{
-    if (row->automatic)
-        vvi_result_string(out, "automatic", row->automatic);
-    if (row->kind == VV_KIND_ENUM)
-        vvi_result_string(out, "default", row->names[(int)row->def]);
-    else if (row->kind == VV_KIND_BOOL)
-        vvi_result_bool(out, "default", row->def != 0);
-    else if (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)
-        vvi_result_number(out, "default", row->def);
-    else if (row->def_text)
-        vvi_result_raw(out, "default", row->def_text);
-}
-
 static void tell_property(vvi_result *out, const vv_property *row)
 {
     vvi_result_open(out, NULL, '{');
-    vvi_result_string(out, "name", row->name);
-    vvi_result_string(out, "kind", kinds[row->kind]);
-    vvi_result_string(out, "doc", row->doc);
-    if (row->quantity != VV_Q_NONE)
-        vvi_result_string(out, "quantity", quantities[row->quantity]);
-    if (row->unit)
-        vvi_result_string(out, "unit", row->unit);
+    vvi_property_tell(out, row);
     if (row->when)
         vvi_result_string(out, "when", row->when);
-    if (row->limited) {
-        vvi_result_number(out, "min", row->min);
-        vvi_result_number(out, "max", row->max);
-    }
-    tell_default(out, row);
+    if (row->automatic)
+        vvi_result_string(out, "automatic", row->automatic);
+    if (!vvi_property_tell_default(out, row) && row->def_text)
+        vvi_result_raw(out, "default", row->def_text);
     if (row->kind == VV_KIND_ENUM)
         vvi_result_strings(out, "names", row->names);
     if (row->cls)
