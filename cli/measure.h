@@ -7,8 +7,7 @@
 #include "input.h"
 #include "measuring/figure_changes.h"
 #include "measuring/measuring.h"
-#include "measuring/world_data.h"
-#include "run/stream.h"
+#include "run/measured.h"
 
 /** What is asked: the kind, and one file or two. */
 typedef struct cli_question {
@@ -49,29 +48,20 @@ vv_status cli_measure_take(vv_measurement **out, const cli_command *command, con
 
 /* Inputs ---------------------------------------------------------------------------------------------------------- */
 
-/** One of a question, open. */
+/** All of a question, open. Zeroed is valid to close. */
 typedef struct cli_measured {
-    cli_input input;
-    vvi_stream stream;
-    vvi_measured_volume volume;
-    vv_mesh *mesh;
+    cli_input file[2]; /**< of the first and the second, where these are volumes */
+    cli_input mask, values;
+    vv_world *world; /**< of the meshes that it shows */
+    char *planes;    /**< of --clip, as JSON; NULL: none */
+    vvi_measured_all of;
 } cli_measured;
 
-/** All of a question. Zeroed is valid to close. */
-typedef struct cli_measured_inputs {
-    cli_measured first, second, mask, values;
-    vv_measured_data mesh[2]; /**< where these are meshes */
-    vv_world *world;          /**< of the meshes that it shows */
-    vvi_measured_meshes shown;
-    char *planes; /**< of --clip, as JSON; NULL: none */
-    vv_measured_inputs all;
-} cli_measured_inputs;
-
 /** Opens the files of a question, and masks and values beside them. Close it also when it fails. */
-vv_status cli_measured_open(cli_measured_inputs *out, cli_command *command, const cli_question *question);
+vv_status cli_measured_open(cli_measured *out, cli_command *command, const cli_question *question);
 /** What stands beside the first file. */
-vv_status cli_measured_open_beside(cli_measured_inputs *out, cli_command *command, const vv_measurement *asked);
-void cli_measured_close(cli_measured_inputs *inputs);
+vv_status cli_measured_open_beside(cli_measured *out, cli_command *command, const vv_measurement *asked);
+void cli_measured_close(cli_measured *inputs);
 /** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */
 vv_status cli_measure_world(vv_model *model, vvi_recipe *recipe_out, cli_command *command, const char *word,
                             bool edited);
@@ -88,7 +78,7 @@ vv_status cli_measure_output(cli_command *command, const vv_measure_kind *kind);
 /** --dry-run: what would be read and measured. */
 vv_status cli_measure_plan(cli_command *command, const cli_question *question);
 /** The rest of what is typed: labels and channels by the names that the inputs have, and --clip. */
-vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured_inputs *inputs);
+vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured *inputs);
 
 /* Answers --------------------------------------------------------------------------------------------------------- */
 

@@ -63,36 +63,43 @@ vv_world *cli_measure_mesh_world(cli_command *command, const cli_question *q)
     return NULL;
 }
 
-/* Samples --------------------------------------------------------------------------------------------------------- */
-
-static vv_status read_samples(vv_field **out, cli_measured *in, cli_command *command)
-{
-    return vvi_stream_samples(out, &in->stream, in->input.file, in->input.frame < 0 ? 0 : in->input.frame,
-                              command->job);
-}
+/* Volumes --------------------------------------------------------------------------------------------------------- */
 
 /* Data alone: nothing but the unit. */
-static vv_status open_data(vv_field **out, cli_measured *in, vv_model *model, cli_command *command, const char *word)
+static vv_status open_data(cli_input *input, vv_model *model, cli_command *command, const char *word)
 {
     vvi_text unit = {0};
-    vv_status st = cli_input_open(&in->input, command, word);
-    if (st != VV_OK || (st = read_samples(out, in, command)) != VV_OK)
+    vv_status st = cli_input_open(input, command, word);
+    if (st != VV_OK)
         return st;
-    vvi_text_json(&unit, vv_field_get_info(*out)->grid.unit);
+    vvi_text_json(&unit, vv_file_info(input->file)->grid.unit);
     st = unit.bad ? vv_fail_memory(unit.n) : vv_model_set(model, NULL, "unit", unit.s);
     vvi_text_free(&unit);
     return st;
 }
 
+/* The samples are of the data that the World has then. */
+static vv_status open_scene(cli_input *input, vv_model *model, vvi_recipe *recipe, cli_command *command,
+                            const char *word, const cli_question *q)
+{
+    vv_status st = cli_measure_world(model, recipe, command, word, is_edited(command, q->edited, word));
+    if (st != VV_OK || (st = show_only(model, q)) != VV_OK)
+        return st;
+    vv_world *world = vv_model_snapshot(model);
+    st = cli_input_open_in(input, command, world, word);
+    vv_object_release(&world->base);
+    return st;
+}
+
 /* Figures of other samples than those that the scene was made of are told as such: a picture of them is refused. The
  * checksum is that of the first time step. */
-static vv_status note_changed(cli_command *command, const cli_measured *in, const vv_field *field,
+static vv_status note_changed(cli_command *command, const cli_input *input, const vv_field *field,
                               const vv_world *world, const char *word)
 {
     const vv_volume *volume = vvi_first_visible(world);
     const vv_dataset *dataset = volume ? vvi_volume_dataset(world, volume) : NULL;
     uint32_t expected = 0, found = 0;
-    if (!dataset || !dataset->checksum || in->input.frame > 0 || !vvi_checksum_parse(&expected, dataset->checksum))
+    if (!dataset || !dataset->checksum || input->frame > 0 || !vvi_checksum_parse(&expected, dataset->checksum))
         return VV_OK;
     const vv_status st = vv_field_checksum(&found, field, command->job);
     if (st == VV_OK && found != expected)
@@ -100,21 +107,6 @@ static vv_status note_changed(cli_command *command, const cli_measured *in, cons
                          "%s: was made from samples of %s, and those of '%s' are others now, crc32:%08" PRIx32
                          ": these are measured",
                          word, dataset->checksum, dataset->path, found);
-    return st;
-}
-
-/* The samples are of the data that the World has then. */
-static vv_status open_scene(vv_field **out, cli_measured *in, vv_model *model, vvi_recipe *recipe, cli_command *command,
-                            const char *word, const cli_question *q)
-{
-    vv_status st = cli_measure_world(model, recipe, command, word, is_edited(command, q->edited, word));
-    if (st != VV_OK || (st = show_only(model, q)) != VV_OK)
-        return st;
-    vv_world *world = vv_model_snapshot(model);
-    if ((st = cli_input_open_in(&in->input, command, world, word)) == VV_OK &&
-        (st = read_samples(out, in, command)) == VV_OK)
-        st = note_changed(command, in, *out, world, word);
-    vv_object_release(&world->base);
     return st;
 }
 
@@ -133,110 +125,97 @@ static vv_status take_clip(char **out, cli_command *command, vv_model *model)
     return st;
 }
 
-static vv_status take_volume(cli_measured *out, cli_command *command, vv_model *model, const vvi_recipe *recipe,
-                             const vv_field *field, const char *word, char **planes)
+static vv_status take_volume(vvi_measured *out, const cli_input *input, cli_command *command, vv_model *model,
+                             const char *view, const char *word)
 {
+    const int64_t n_frames = vv_file_info(input->file)->n_frames;
     vv_world *world = vv_model_snapshot(model);
-    vv_status st = vvi_measured_volume_take(&out->volume, field, out->input.file, out->input.path, world,
-                                            vvi_first_visible(world), recipe->view, command->job);
+    vv_status st = vvi_measured_file(out, input->file, input->frame < 0 ? 0 : input->frame, input->path, world,
+                                     vvi_first_visible(world), view, command->job);
     out->volume.data.given = word;
+    if (st == VV_OK)
+        st = note_changed(command, input, out->volume.field, world, word);
     vv_object_release(&world->base);
-    if (st == VV_OK && planes)
-        st = take_clip(planes, command, model);
-    const int64_t n_frames = vv_file_info(out->input.file)->n_frames;
-    if (n_frames > 1 && out->input.frame < 0)
+    if (n_frames > 1 && input->frame < 0)
         cli_command_note(command, "%s: the first of %lld time steps is measured; choose another with FILE@N",
-                         out->input.path, (long long)n_frames);
+                         input->path, (long long)n_frames);
     return st;
 }
 
 /* planes: takes --clip; NULL: there is none. */
-static vv_status open_volume(cli_measured *out, cli_command *command, const cli_question *q, const char *word,
-                             char **planes)
+static vv_status open_volume(vvi_measured *out, cli_input *input, cli_command *command, const cli_question *q,
+                             const char *word, char **planes)
 {
     const bool edit = is_edited(command, q->edited, word);
     vv_model *model = NULL;
-    vv_field *field = NULL;
     vvi_recipe recipe = {0};
     vv_status st = vv_model_new(&model, command->runtime);
     if (st == VV_OK)
         st = edit || cli_input_contents(command, word) != CLI_INPUT_DATA
-                 ? open_scene(&field, out, model, &recipe, command, word, q)
-                 : open_data(&field, out, model, command, word);
+                 ? open_scene(input, model, &recipe, command, word, q)
+                 : open_data(input, model, command, word);
     if (st == VV_OK)
-        st = take_volume(out, command, model, &recipe, field, word, planes);
-    vv_field_release(field);
+        st = take_volume(out, input, command, model, recipe.view, word);
+    if (st == VV_OK && planes)
+        st = take_clip(planes, command, model);
     vv_model_release(model);
     return st;
 }
 
 /* All ------------------------------------------------------------------------------------------------------------- */
 
-static vv_status open_mesh(vv_measured_data *data, cli_measured *out, cli_command *command, const cli_question *q,
-                           const char *word)
+static vv_status open_one(cli_measured *all, size_t i, cli_command *command, const cli_question *q)
 {
-    const vv_status st = cli_mesh_read(&out->mesh, command, word, q->asked->input_unit);
-    *data = (vv_measured_data){.name = word, .mesh = out->mesh, .place = vv_affine_identity()};
+    vvi_measured *out = i ? &all->of.other : &all->of.input;
+    const char *word = q->file[i];
+    vv_mesh *mesh = NULL;
+    *(i ? &all->of.inputs.other : &all->of.inputs.input) = &out->volume.data;
+    if (!cli_mesh_is_input(command, word))
+        return open_volume(out, &all->file[i], command, q, word, q->typed && !all->planes ? &all->planes : NULL);
+    const vv_status st = cli_mesh_read(&mesh, command, word, q->asked->input_unit);
+    vvi_measured_mesh(out, mesh, word);
     return st;
 }
 
-static vv_status open_one(const vv_measured_data **data, cli_measured_inputs *all, size_t i, cli_command *command,
-                          const cli_question *q)
+vv_status cli_measured_open(cli_measured *out, cli_command *command, const cli_question *q)
 {
-    cli_measured *out = i ? &all->second : &all->first;
-    const char *word = q->file[i];
-    const bool mesh = cli_mesh_is_input(command, word);
-    *data = mesh ? &all->mesh[i] : &out->volume.data;
-    if (mesh)
-        return open_mesh(&all->mesh[i], out, command, q, word);
-    return open_volume(out, command, q, word, q->typed && !all->planes ? &all->planes : NULL);
-}
-
-vv_status cli_measured_open(cli_measured_inputs *out, cli_command *command, const cli_question *q)
-{
-    out->all = (vv_measured_inputs){.size = sizeof out->all, .n_inputs = 1};
+    vv_measured_inputs *inputs = &out->of.inputs;
+    *inputs = (vv_measured_inputs){.size = sizeof *inputs, .n_inputs = 1};
     if ((out->world = cli_measure_mesh_world(command, q))) {
-        const vv_status st = vvi_measured_meshes_take(&out->shown, out->world, NULL, q->file[0], command->job);
-        out->all.input = out->shown.data;
-        out->all.n_inputs = out->shown.n;
+        vvi_measured_meshes *shown = &out->of.shown;
+        const vv_status st = vvi_measured_meshes_take(shown, out->world, NULL, q->file[0], command->job);
+        inputs->input = shown->data;
+        inputs->n_inputs = shown->n;
         return st;
     }
-    const vv_status st = open_one(&out->all.input, out, 0, command, q);
-    return st == VV_OK && q->file[1] ? open_one(&out->all.other, out, 1, command, q) : st;
+    const vv_status st = open_one(out, 0, command, q);
+    return st == VV_OK && q->file[1] ? open_one(out, 1, command, q) : st;
 }
 
 /* Nothing is said of it but its samples. */
-static vv_status open_beside(const vv_measured_data **data, cli_measured *out, cli_command *command, const char *word)
+static vv_status open_beside(vvi_measured *out, const vv_measured_data **data, cli_input *input, cli_command *command,
+                             const char *word)
 {
-    vv_status st = word ? cli_input_open(&out->input, command, word) : VV_OK;
-    if (!word || st != VV_OK || (st = read_samples(&out->volume.field, out, command)) != VV_OK)
+    const vv_status st = word ? cli_input_open(input, command, word) : VV_OK;
+    if (!word || st != VV_OK)
         return st;
-    out->volume.data = (vv_measured_data){.name = word, .field = out->volume.field};
     *data = &out->volume.data;
-    return VV_OK;
+    return vvi_measured_file(out, input->file, input->frame < 0 ? 0 : input->frame, word, NULL, NULL, "", command->job);
 }
 
-vv_status cli_measured_open_beside(cli_measured_inputs *out, cli_command *command, const vv_measurement *asked)
+vv_status cli_measured_open_beside(cli_measured *out, cli_command *command, const vv_measurement *asked)
 {
-    const vv_status st = open_beside(&out->all.mask, &out->mask, command, asked->mask);
-    return st == VV_OK ? open_beside(&out->all.values, &out->values, command, asked->values) : st;
+    vvi_measured_all *of = &out->of;
+    const vv_status st = open_beside(&of->mask, &of->inputs.mask, &out->mask, command, asked->mask);
+    return st == VV_OK ? open_beside(&of->values, &of->inputs.values, &out->values, command, asked->values) : st;
 }
 
-static void close_one(cli_measured *in)
+void cli_measured_close(cli_measured *in)
 {
-    vvi_measured_volume_finish(&in->volume);
-    vv_mesh_release(in->mesh);
-    vvi_stream_free(&in->stream);
-    cli_input_close(&in->input);
-}
-
-void cli_measured_close(cli_measured_inputs *in)
-{
-    close_one(&in->first);
-    close_one(&in->second);
-    close_one(&in->mask);
-    close_one(&in->values);
-    vvi_measured_meshes_finish(&in->shown);
+    cli_input *const files[] = {&in->file[0], &in->file[1], &in->mask, &in->values};
+    vvi_measured_close(&in->of);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        cli_input_close(files[i]);
     vv_object_release(in->world ? &in->world->base : NULL);
     free(in->planes);
 }

@@ -46,10 +46,10 @@ static vv_status refuse_objects(const cli_command *command, vv_status st)
 }
 
 /* What is stored names its labels by number. */
-static vv_status check_layer(const cli_command *command, const cli_measured_inputs *in, const vv_measurement *asked)
+static vv_status check_layer(const cli_command *command, const cli_measured *in, const vv_measurement *asked)
 {
-    return in->first.volume.field && vv_object_is_set(&asked->base, "label")
-               ? cli_label_layer_check(command, &in->first.input, asked->label)
+    return in->of.input.volume.field && vv_object_is_set(&asked->base, "label")
+               ? cli_label_layer_check(command, &in->file[0], asked->label)
                : VV_OK;
 }
 
@@ -67,14 +67,14 @@ static vv_status take_figures(vv_measurement **asked, const vv_answer *answer)
 
 vv_status cli_measure_ask(vv_answer **out, vv_measurement **asked_out, cli_command *command, const cli_question *q)
 {
-    cli_measured_inputs in = {0};
+    cli_measured in = {0};
     *out = NULL;
     *asked_out = (vv_measurement *)(void *)vv_object_retain(&q->asked->base);
     vv_status st = cli_measured_open(&in, command, q);
     if (st == VV_OK)
         st = q->typed ? cli_measure_names(asked_out, command, &in) : check_layer(command, &in, q->asked);
     if (st == VV_OK && (st = cli_measured_open_beside(&in, command, *asked_out)) == VV_OK)
-        st = vv_measure_run(out, *asked_out, &in.all, command->job);
+        st = vv_measure_run(out, *asked_out, &in.of.inputs, command->job);
     if (st == VV_OK)
         st = take_figures(asked_out, *out);
     for (size_t i = 0; *out && vv_answer_note(*out, i); i++)

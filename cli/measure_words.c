@@ -141,18 +141,17 @@ vv_status cli_measure_take(vv_measurement **out, const cli_command *command, con
 /* Names of labels and channels ------------------------------------------------------------------------------------ */
 
 /* A name, or a number; one that is of another layer of the file than the one that is read is told. */
-static vv_status find_label(vv_label_id *out, const cli_command *command, const cli_measured *in, const char *option,
-                            const char *typed)
+static vv_status find_label(vv_label_id *out, const cli_command *command, const cli_input *input, vv_type type,
+                            const char *option, const char *typed)
 {
-    const cli_label_names names = cli_label_names_of(command, &in->input);
-    const vv_type type = vv_field_get_info(in->volume.field)->type;
+    const cli_label_names names = cli_label_names_of(command, input);
     bool known;
     vv_status st = cli_label_find(out, &known, &names, option, typed, strlen(typed));
     vv_label_id number;
     if (st != VV_OK || (known && !vvi_label_parse(&number, typed, vvi_label_is_unsigned(type))))
         return st;
     if (vvi_label_parse(out, typed, vvi_label_is_unsigned(type)))
-        return cli_label_layer_check(command, &in->input, *out);
+        return cli_label_layer_check(command, input, *out);
     if (vvi_label_parse(out, typed, true))
         return vv_fail(VV_E_ARGUMENT, "--%s: no sample is %s: they are %s, which end at 2^63", option, typed,
                        vv_type_name(type));
@@ -161,9 +160,9 @@ static vv_status find_label(vv_label_id *out, const cli_command *command, const 
 }
 
 /* --label is of both of two surfaces, in each as its file calls labels. */
-static vv_status take_labels(vv_object **asked, cli_command *command, cli_measured_inputs *in)
+static vv_status take_labels(vv_object **asked, cli_command *command, cli_measured *in)
 {
-    cli_measured *both[] = {&in->first, &in->second};
+    vvi_measured_volume *both[] = {&in->of.input.volume, &in->of.other.volume};
     const char *label = cli_measure_typed(command, "label"), *other = cli_measure_typed(command, "other_label");
     vv_label_id found[2] = {0};
     bool some = false;
@@ -171,11 +170,12 @@ static vv_status take_labels(vv_object **asked, cli_command *command, cli_measur
     for (int i = 0; i < 2 && st == VV_OK; i++) {
         const bool is_other = i == 1 && other;
         const char *typed = is_other ? other : label;
-        if (!both[i]->volume.field || !typed)
+        if (!both[i]->field || !typed)
             continue;
-        if ((st = find_label(&found[i], command, both[i], is_other ? "other-label" : "label", typed)) != VV_OK)
+        if ((st = find_label(&found[i], command, &in->file[i], vv_field_get_info(both[i]->field)->type,
+                             is_other ? "other-label" : "label", typed)) != VV_OK)
             return st;
-        both[i]->volume.data.called = typed;
+        both[i]->data.called = typed;
         if (is_other || (some && found[1] != found[0] && !vv_object_is_set(*asked, "other_iso")))
             st = vv_path_set_integer(asked, "other_label", found[i], NULL);
         else if (!some)
@@ -186,9 +186,9 @@ static vv_status take_labels(vv_object **asked, cli_command *command, cli_measur
 }
 
 /* With --values the channel is one of theirs: what they are called is not known here. */
-static vv_status take_channel(vv_object **asked, const cli_command *command, const cli_measured_inputs *in)
+static vv_status take_channel(vv_object **asked, const cli_command *command, const cli_measured *in)
 {
-    const cli_input *input = in->first.volume.field ? &in->first.input : &in->second.input;
+    const cli_input *input = &in->file[in->of.input.volume.field ? 0 : 1];
     const char *typed = cli_measure_typed(command, "component");
     const bool of_values = cli_measure_typed(command, "values") != NULL;
     vvi_text number = {0};
@@ -205,7 +205,7 @@ static vv_status take_channel(vv_object **asked, const cli_command *command, con
     return st;
 }
 
-vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured_inputs *in)
+vv_status cli_measure_names(vv_measurement **asked, cli_command *command, cli_measured *in)
 {
     vv_object *object = &(*asked)->base;
     vv_status st = take_channel(&object, command, in);

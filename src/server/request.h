@@ -83,8 +83,6 @@ vv_status vvi_request_keep_existing(vvi_request *request, vv_job *job);
 vv_status vvi_request_note_exists(vvi_request *request, vv_status status);
 /** {"path": ...} as the value of the answer: where the file is, from the root; with the note, where there is one. */
 void vvi_request_tell_path(vvi_request *request);
-/** The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
-vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
 void vvi_request_done_slowly(vvi_task *task, vv_status st);
 /** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */

@@ -4,8 +4,8 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "measuring/measuring.h"
-#include "measuring/world_data.h"
 #include "model/classes.h"
+#include "run/measured.h"
 #include "server/command.h"
 
 #include <math.h>
@@ -76,8 +76,7 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
     const char *id = vvi_measured_volume_id(r->world, m->volume);
     const vv_dataset *dataset = NULL;
     const vv_volume *volume = id ? vvi_request_volume(r->world, id, &dataset) : NULL;
-    vvi_measured_volume measured = {0};
-    vv_field *field = NULL;
+    vvi_measured_all measured = {0};
     *whole = false;
     if (!id)
         return vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' that could be measured", m->volume ? m->volume : "");
@@ -85,15 +84,12 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         return VV_E_NOT_FOUND;
     if (m->file || m->other || m->mask || m->values || vv_dataset_is_mesh(dataset, job))
         return VV_OK;
-    vv_status st = vv_dataset_field(&field, r->world, dataset, volume->attribute, volume->frame, job);
-    if (st == VV_OK)
-        st = vvi_measured_volume_take(&measured, field, NULL, "", r->world, volume, r->view, job);
-    if (st == VV_OK && is_file(volume, &measured)) {
+    vv_status st = vvi_measured_shown(&measured.input, r->world, id, r->view, job);
+    if (st == VV_OK && is_file(volume, &measured.input.volume)) {
         *whole = true;
-        st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, &measured.data, job);
+        st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, &measured.input.volume.data, job);
     }
-    vvi_measured_volume_finish(&measured);
-    vv_field_release(field);
+    vvi_measured_close(&measured);
     return st;
 }
 

@@ -105,15 +105,6 @@ vv_status vvi_request_take_operation(vvi_request *r, const json_t *message)
     return st == VV_OK ? take_inputs(r, message) : st;
 }
 
-/* Data ------------------------------------------------------------------------------------------------------------- */
-
-vv_status vvi_request_open_origin(vv_file **out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
-{
-    *out = NULL;
-    const bool there = (dataset->path && !dataset->fields) || vv_dataset_is_made(dataset);
-    return there ? vvi_dataset_open(out, world, dataset, job) : VV_OK;
-}
-
 /* What would be made ----------------------------------------------------------------------------------------------- */
 
 /* The dataset is the first input; of those that people name it is among the others, or all there is. */

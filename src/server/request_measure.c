@@ -1,11 +1,10 @@
 /* Measurements of data of the World: a question as scenes keep it, and the answer that `volvis measure` gives. */
 #include "core/job.h"
 #include "core/memory.h"
-#include "io/file_stream.h"
 #include "measure/plot.h"
 #include "measuring/answer.h"
-#include "measuring/world_data.h"
 #include "model/classes.h"
+#include "run/measured.h"
 #include "server/request.h"
 
 #include <stdlib.h>
@@ -15,96 +14,21 @@ enum { ANSWER_MOST = 16 << 20 };
 
 /* Data ------------------------------------------------------------------------------------------------------------- */
 
-/* Something of the World, open. */
-typedef struct source {
-    vv_file *file; /* NULL: it was made in memory */
-    vvi_measured_volume volume;
-    vv_mesh *mesh;
-    vv_measured_data data;
-} source;
-
-typedef struct sources {
-    source input, other, mask, values;
-    vvi_measured_meshes shown;
-    vv_measured_inputs all;
-} sources;
-
-static void close_source(source *s)
-{
-    vvi_measured_volume_finish(&s->volume);
-    vv_mesh_release(s->mesh);
-    vv_file_close(s->file);
-}
-
-static void close_all(sources *s)
-{
-    close_source(&s->input);
-    close_source(&s->other);
-    close_source(&s->mask);
-    close_source(&s->values);
-    vvi_measured_meshes_finish(&s->shown);
-}
-
-/* Samples where a scene says which are missing are read anew. */
-static vv_status read_samples(vv_field **out, const source *s, const vv_world *world, const vv_dataset *dataset,
-                              const vv_volume *volume, vv_job *job)
-{
-    const vv_numbers *missing = volume ? volume->missing : NULL;
-    const char *attribute = volume ? volume->attribute : NULL;
-    const int64_t frame = volume ? volume->frame : 0;
-    if (!s->file || !missing || attribute)
-        return vv_dataset_field(out, world, dataset, attribute, frame, job);
-    vvi_job_keep_fills(job);
-    const vv_status st = vvi_file_leave_out(s->file, missing->v, missing->n);
-    return st == VV_OK || st == VV_E_ARGUMENT ? vv_file_read(out, s->file, frame, NULL, job) : st;
-}
-
-/* What a volume of the World shows. */
-static vv_status open_shown(source *s, const vvi_request *r, const vv_volume *volume, const vv_dataset *dataset,
-                            const char *name, vv_job *job)
-{
-    vv_field *field = NULL;
-    if (vv_dataset_is_mesh(dataset, job)) {
-        const vv_status st = vv_dataset_mesh(&s->mesh, r->world, dataset, job);
-        s->data = (vv_measured_data){.name = name, .mesh = s->mesh, .place = vv_affine_identity()};
-        return st;
-    }
-    vv_status st = vvi_request_open_origin(&s->file, r->world, dataset, job);
-    if (st == VV_OK && (st = read_samples(&field, s, r->world, dataset, volume, job)) == VV_OK)
-        st = vvi_measured_volume_take(&s->volume, field, s->file, name, r->world, volume, r->view, job);
-    s->data = s->volume.data;
-    vv_field_release(field);
-    return st;
-}
-
 /* Samples that are told with those of a volume: their own place alone counts. */
-static vv_status open_beside(source *s, const vv_measured_data **data, vv_object **question, const char *property,
-                             const vvi_request *r, const json_t *inputs, vv_job *job)
+static vv_status open_beside(vvi_measured *out, const vv_measured_data **data, vv_object **question,
+                             const char *property, const vvi_request *r, const json_t *inputs, vv_job *job)
 {
-    const json_t *id = json_object_get(inputs, property);
-    if (!id)
-        return VV_OK;
-    const char *name = json_string_value(id);
-    const vv_dataset *dataset = vvi_dataset_named(r->world, name);
-    if (!dataset)
-        return vv_fail(VV_E_NOT_FOUND, "%s: the dataset '%.64s' no longer exists", property, name);
-    if (vv_dataset_is_mesh(dataset, job))
-        return vv_fail(VV_E_ARGUMENT, "%s: '%.64s' is a mesh; samples are needed", property, name);
-    const vv_status st = read_samples(&s->volume.field, s, r->world, dataset, NULL, job);
-    s->data = (vv_measured_data){.name = name, .field = s->volume.field};
-    *data = &s->data;
-    return st == VV_OK ? vv_path_set(question, property, name, NULL) : st;
-}
-
-static vv_status open_volume(source *s, const vvi_request *r, const char *id, const char *name, vv_job *job)
-{
-    const vv_dataset *dataset;
-    const vv_volume *volume = vvi_request_volume(r->world, id, &dataset);
-    return volume ? open_shown(s, r, volume, dataset, name, job) : VV_E_NOT_FOUND;
+    const char *id = json_string_value(json_object_get(inputs, property));
+    const vv_status st = id ? vvi_measured_dataset(out, r->world, id, property, job) : VV_OK;
+    if (!id || st != VV_OK)
+        return st;
+    *data = &out->volume.data;
+    return vv_path_set(question, property, id, NULL);
 }
 
 /* A mesh is measured where the World has it, unless its kind has no such form. */
-static vv_status open_input(sources *s, const vvi_request *r, const vv_measurement *question, bool two, vv_job *job)
+static vv_status open_input(vvi_measured_all *s, const vvi_request *r, const vv_measurement *question, bool two,
+                            vv_job *job)
 {
     const vv_measure_kind *kind = vv_measure_kind_of(question);
     const size_t n_points = question->points ? question->points->n / 3 : 0;
@@ -112,29 +36,30 @@ static vv_status open_input(sources *s, const vvi_request *r, const vv_measureme
     if (!id)
         return r->name ? vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s'", r->name)
                        : vv_fail(VV_E_NOT_FOUND, "nothing is visible that could be measured");
-    vv_status st = open_volume(&s->input, r, id, id, job);
-    s->all.input = &s->input.data;
-    s->all.n_inputs = 1;
+    vv_status st = vvi_measured_shown(&s->input, r->world, id, r->view, job);
+    s->inputs.input = &s->input.volume.data;
+    s->inputs.n_inputs = 1;
     if (st != VV_OK || !s->input.mesh || two || !vv_measure_form_of(kind, VV_MEASURED_SHOWN, 0, n_points))
         return st;
     st = vvi_measured_meshes_take(&s->shown, r->world, r->name, "the World", job);
-    s->all.input = s->shown.data;
-    s->all.n_inputs = s->shown.n;
+    s->inputs.input = s->shown.data;
+    s->inputs.n_inputs = s->shown.n;
     return st;
 }
 
-static vv_status open_all(sources *s, vv_object **question, const vvi_request *r, const json_t *inputs, vv_job *job)
+static vv_status open_all(vvi_measured_all *s, vv_object **question, const vvi_request *r, const json_t *inputs,
+                          vv_job *job)
 {
     const char *other = json_string_value(json_object_get(inputs, "other"));
-    s->all.size = sizeof s->all;
+    s->inputs.size = sizeof s->inputs;
     vv_status st = open_input(s, r, (const vv_measurement *)(const void *)*question, other != NULL, job);
     if (st == VV_OK && other) {
-        st = open_volume(&s->other, r, other, other, job);
-        s->all.other = &s->other.data;
+        st = vvi_measured_shown(&s->other, r->world, other, r->view, job);
+        s->inputs.other = &s->other.volume.data;
     }
     if (st == VV_OK)
-        st = open_beside(&s->mask, &s->all.mask, question, "mask", r, inputs, job);
-    return st == VV_OK ? open_beside(&s->values, &s->all.values, question, "values", r, inputs, job) : st;
+        st = open_beside(&s->mask, &s->inputs.mask, question, "mask", r, inputs, job);
+    return st == VV_OK ? open_beside(&s->values, &s->inputs.values, question, "values", r, inputs, job) : st;
 }
 
 /* Answer ----------------------------------------------------------------------------------------------------------- */
@@ -191,17 +116,17 @@ static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     json_t *inputs = json_loads(r->inputs, 0, NULL);
-    sources s = {0};
+    vvi_measured_all s = {0};
     vv_answer *answer = NULL;
     vv_status st = open_all(&s, &r->params, r, inputs, job);
     if (st == VV_OK)
-        st = vv_measure_run(&answer, (const vv_measurement *)(const void *)r->params, &s.all, job);
+        st = vv_measure_run(&answer, (const vv_measurement *)(const void *)r->params, &s.inputs, job);
     if (st == VV_OK)
         st = put_answer(&r->value, answer, r->add, job);
     if (st != VV_OK)
         vvi_text_free(&r->value.text);
     vv_answer_release(answer);
-    close_all(&s);
+    vvi_measured_close(&s);
     json_decref(inputs);
     return st;
 }
