@@ -1,7 +1,6 @@
 #include "chain.h"
 #include "channel_names.h"
 #include "core/memory.h"
-#include "label_names.h"
 #include "mesh.h"
 #include "model/context.h"
 #include "model/dataset.h"
@@ -147,14 +146,6 @@ static vv_status parse(step *s)
 
 /* Inputs ----------------------------------------------------------------------------------------------------------- */
 
-static void free_id(char out[ID_ROOM], const vv_world *world, const char *id)
-{
-    unsigned n = 1;
-    do
-        vvi_world_number_id(out, id, n++);
-    while (vv_collection_find(world->datasets, out));
-}
-
 static bool same(const char *a, const char *b)
 {
     return a == b || (a && b && strcmp(a, b) == 0);
@@ -188,7 +179,7 @@ static vv_status add_file(step *s, char id_out[ID_ROOM], const cli_input_name *n
     if (access(name->path, F_OK) != 0)
         return vv_fail_at(VV_E_READ, name->path, NULL, "there is no such file, nor a dataset of that name");
     vvi_world_id(id, name->path);
-    free_id(id_out, *s->world, id);
+    vvi_world_free_id(id_out, (*s->world)->datasets, id);
     snprintf(path, sizeof path, "datasets.%s.path", id_out);
     vv_status st = vv_path_add(&root, "datasets", id_out, NULL, NULL);
     if (st == VV_OK)
@@ -225,56 +216,48 @@ static const vv_dataset *dataset_of(const step *s, const char *id)
     return vvi_dataset_named(*s->world, id);
 }
 
-/* The further input whose labels parameters name, where the operation says that there is one. */
-static vv_status open_labels(cli_input *out, step *s)
+/* What it is as an input: of a mesh its unit alone. */
+static vv_status info_of(vv_field_info *out, const step *s, const vv_dataset *dataset)
 {
-    for (size_t i = 1; i < s->args.n_words; i++)
-        if (vv_operation_operand(s->verb.operation, i)->names_labels) {
-            const vv_dataset *dataset = dataset_of(s, s->inputs[i]);
-            out->path = s->inputs[i];
-            return dataset->fields ? VV_OK : vvi_dataset_open(&out->file, *s->world, dataset, s->command->job);
-        }
-    return VV_OK;
+    vv_job *job = s->command->job;
+    vv_mesh *mesh = NULL;
+    *out = vv_field_info_default();
+    if (!vv_dataset_is_mesh(dataset, job))
+        return vv_dataset_info(out, *s->world, dataset, job);
+    const vv_status st = vv_dataset_mesh(&mesh, *s->world, dataset, job);
+    if (st == VV_OK)
+        memcpy(out->grid.unit, vv_mesh_get_info(mesh)->unit, sizeof out->grid.unit);
+    vv_mesh_release(mesh);
+    return st;
 }
 
-/* As `volvis NAME` reads its options: lengths of the first input, channels and labels by its names. */
+/* An input as a file, with its names; of standard input, which was read, and of meshes there is none. */
+static vv_status open_input(cli_input *out, step *s, size_t i)
+{
+    const vv_dataset *dataset = dataset_of(s, s->inputs[i]);
+    out->path = s->inputs[i];
+    return dataset->fields || vv_dataset_is_mesh(dataset, s->command->job)
+               ? VV_OK
+               : vvi_dataset_open(&out->file, *s->world, dataset, s->command->job);
+}
+
+/* As `volvis NAME` reads its options: lengths of the first input, channels and labels by its names, or labels by those
+ * of the further input that the operation says. */
 static vv_status make_params(vv_object **out, step *s)
 {
-    const vv_dataset *first = dataset_of(s, s->inputs[0]);
-    const vv_class *cls = s->verb.options[0];
-    cli_input input = {.path = s->inputs[0]};
-    vv_field *field = NULL;
-    if (vv_dataset_is_mesh(first, s->command->job)) {
-        vv_mesh *mesh = NULL;
-        vv_field_info info = vv_field_info_default();
-        vv_status st = vv_dataset_mesh(&mesh, *s->world, first, s->command->job);
-        if (st != VV_OK)
-            return st;
-        snprintf(info.grid.unit, sizeof info.grid.unit, "%s", vv_mesh_get_info(mesh)->unit);
-        const vv_property_context context = cli_input_context(&info, s->command->registry);
-        st = cli_label_params(out, &s->args, cls, &context, &(cli_label_names){0});
-        vv_mesh_release(mesh);
-        return st;
-    }
-    vv_status st = VV_OK;
-    if (first->fields) { /* standard input: it was read */
-        if ((st = vv_dataset_field(&field, *s->world, first, NULL, 0, s->command->job)) != VV_OK)
-            return st;
-        const vv_property_context context = cli_input_context(vv_field_get_info(field), s->command->registry);
-        st = cli_label_params(out, &s->args, cls, &context, &(cli_label_names){0});
-        vv_field_release(field);
-        return st;
-    }
-    cli_input labels = {0};
-    st = vvi_dataset_open(&input.file, *s->world, first, s->command->job);
+    cli_input input = {0}, other = {0};
+    vv_field_info info;
+    vv_status st = info_of(&info, s, dataset_of(s, s->inputs[0]));
     if (st == VV_OK)
-        st = open_labels(&labels, s);
-    const cli_args own = s->command->args;
-    s->command->args = s->args;
+        st = open_input(&input, s, 0);
+    for (size_t i = 1; i < s->args.n_words && st == VV_OK && !other.path; i++)
+        if (vv_operation_operand(s->verb.operation, i)->names_labels)
+            st = open_input(&other, s, i);
+    const cli_label_names labels = cli_label_names_of(s->command, other.path ? &other : &input);
     if (st == VV_OK)
-        st = cli_channel_params(out, s->command, &input, labels.path ? &labels : &input, cls);
-    s->command->args = own;
-    vv_file_close(labels.file);
+        st = cli_operation_params(out, s->command, &s->args, s->verb.options[0], &info, input.file ? &input : NULL,
+                                  &labels);
+    vv_file_close(other.file);
     vv_file_close(input.file);
     return st;
 }
@@ -366,7 +349,7 @@ static vv_status add_dataset(step *s, char id_out[ID_ROOM])
     if (st != VV_OK)
         return st;
     vvi_world_id(name, s->verb.name);
-    free_id(id_out, *s->world, name);
+    vvi_world_free_id(id_out, (*s->world)->datasets, name);
     if ((st = print_recipe(&json, s, &params)) == VV_OK)
         st = vv_path_add(&root, "datasets", id_out, json.s, NULL);
     *s->world = (vv_world *)(void *)root;

@@ -64,10 +64,10 @@ vv_status cli_channel_numbers(vvi_text *out, const cli_input *input, const char 
 }
 
 /* Numbers are left to the operation, which says more of those that there are not. */
-static cli_given *find_names(cli_command *command, const vv_class *cls)
+static cli_given *find_names(const cli_args *args, const vv_class *cls)
 {
-    for (size_t i = 0; i < command->args.n_given; i++) {
-        cli_given *given = &command->args.given[i];
+    for (size_t i = 0; i < args->n_given; i++) {
+        cli_given *given = &args->given[i];
         if (given->cls == cls && given->row->option && strcmp(given->row->option, "channel") == 0 &&
             given->text[strspn(given->text, "0123456789,+-. ")])
             return given;
@@ -75,20 +75,19 @@ static cli_given *find_names(cli_command *command, const vv_class *cls)
     return NULL;
 }
 
-vv_status cli_channel_params(vv_object **out, cli_command *command, const cli_input *input, const cli_input *labels,
-                             const vv_class *cls)
+vv_status cli_operation_params(vv_object **out, const cli_command *command, const cli_args *args, const vv_class *cls,
+                               const vv_field_info *info, const cli_input *channels, const cli_label_names *labels)
 {
-    const vv_property_context context = cli_input_context(vv_file_info(input->file), command->registry);
-    cli_given *given = find_names(command, cls);
+    const vv_property_context context = cli_input_context(info, command->registry);
+    cli_given *given = channels ? find_names(args, cls) : NULL;
     const char *typed = given ? given->text : NULL;
-    const cli_label_names names = cli_label_names_of(command, labels);
     vvi_text numbers = {0};
-    vv_status st = given ? cli_channel_numbers(&numbers, input, typed) : VV_OK;
+    vv_status st = given ? cli_channel_numbers(&numbers, channels, typed) : VV_OK;
     *out = NULL;
     if (st == VV_OK && given)
         given->text = numbers.s;
     if (st == VV_OK)
-        st = cli_label_params(out, &command->args, cls, &context, &names);
+        st = cli_label_params(out, args, cls, &context, labels);
     if (given)
         given->text = typed;
     vvi_text_free(&numbers);

@@ -3,7 +3,6 @@
 #include "findings.h"
 #include "grid/label_id.h"
 #include "label_layers.h"
-#include "label_names.h"
 #include "mesh.h"
 #include "mesh_estimate.h"
 #include "mesh_scene.h"
@@ -60,11 +59,12 @@ static void clear(pipeline *p)
     cli_mesh_scene_close(&p->scene);
 }
 
-/* names: of labels, in options of the operation. */
-static vv_status make_params(pipeline *p, const vv_field_info *info, const cli_label_names *names)
+/* channels: whose names they have; NULL: none. */
+static vv_status make_params(pipeline *p, const vv_field_info *info, const cli_input *channels,
+                             const cli_label_names *labels)
 {
-    const vv_property_context context = cli_input_context(info, p->command->registry);
-    return cli_label_params(&p->params, &p->command->args, p->operation->params, &context, names);
+    return cli_operation_params(&p->params, p->command, &p->command->args, p->operation->params, info, channels,
+                                labels);
 }
 
 /* A scene says more than where the samples are. */
@@ -86,7 +86,7 @@ static vv_status open_scene(pipeline *p)
     if (listed != VV_OK)
         return listed;
     const cli_label_names names = {.label = labels, .n = n, .is_unsigned = vvi_label_is_unsigned(info->type)};
-    const vv_status made = make_params(p, info, &names);
+    const vv_status made = make_params(p, info, NULL, &names);
     free(labels);
     return made;
 }
@@ -103,7 +103,8 @@ static vv_status open_fields(pipeline *p)
     if (st != VV_OK || of_scene)
         return st;
     cli_mesh_scene_of_file(&p->scene, &p->inputs[0]);
-    return cli_channel_params(&p->params, p->command, &p->inputs[0], &p->inputs[0], p->operation->params);
+    const cli_label_names labels = cli_label_names_of(p->command, &p->inputs[0]);
+    return make_params(p, vv_file_info(p->inputs[0].file), &p->inputs[0], &labels);
 }
 
 static vv_status read_meshes(pipeline *p)
@@ -115,7 +116,7 @@ static vv_status read_meshes(pipeline *p)
     if (st != VV_OK)
         return st;
     memcpy(info.grid.unit, vv_mesh_get_info(p->meshes[0])->unit, sizeof info.grid.unit);
-    return make_params(p, &info, &(cli_label_names){0});
+    return make_params(p, &info, NULL, &(cli_label_names){0});
 }
 
 static vv_status check_layers(const pipeline *p)

@@ -42,9 +42,11 @@ static vv_status run_on_fields(cli_command *command)
         (st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    if ((st = open_inputs(&inputs, command)) == VV_OK)
-        st = cli_channel_params(&step.params, command, &inputs[0], input_of_labels(command, inputs),
-                                step.operation->params);
+    if ((st = open_inputs(&inputs, command)) == VV_OK) {
+        const cli_label_names labels = cli_label_names_of(command, input_of_labels(command, inputs));
+        st = cli_operation_params(&step.params, command, &command->args, step.operation->params,
+                                  vv_file_info(inputs[0].file), &inputs[0], &labels);
+    }
     if (st == VV_OK)
         st = cli_refuse_idle(command, step.params, NULL);
     if (st == VV_OK)

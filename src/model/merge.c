@@ -23,7 +23,7 @@ void vvi_world_number_id(char out[VVI_ID_MOST + 1], const char *id, unsigned n)
         snprintf(out, VVI_ID_MOST + 1, "%.*s_%u", VVI_ID_MOST - 11, id, n);
 }
 
-static void free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
+void vvi_world_free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
 {
     unsigned n = 1;
     do
@@ -71,14 +71,14 @@ static void add_dataset(merging *m, const vv_world *from, size_t index, char dat
 {
     const vv_entry *dataset = &from->datasets->entry[index];
     char id[VVI_ID_MOST + 1];
-    free_id(data, now(m)->datasets, dataset->id);
+    vvi_world_free_id(data, now(m)->datasets, dataset->id);
     put(m, "datasets", data, dataset->object);
     for (size_t i = 0; i < from->volumes->n && m->st == VV_OK; i++) {
         const vv_entry *volume = &from->volumes->entry[i];
         const char *shows = ((const vv_volume *)volume->object)->data;
         if (shows ? vv_collection_find(from->datasets, shows) != dataset->object : from->datasets->n > 1)
             continue;
-        free_id(id, now(m)->volumes, volume->id);
+        vvi_world_free_id(id, now(m)->volumes, volume->id);
         put(m, "volumes", id, volume->object);
         name_data(m, id, data);
     }

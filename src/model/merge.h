@@ -15,6 +15,9 @@ void vvi_world_id(char out[64], const char *path);
 /** The n-th thing that is called so: "head", "head_2", "head_3", ... */
 void vvi_world_number_id(char out[64], const char *id, unsigned n);
 
+/** The first of these that a map has not. */
+void vvi_world_free_id(char out[64], const vv_collection *taken, const char *id);
+
 /** Datasets and volumes of `from` put into *world, which is swapped for a new one; ids that are there already get a
  * number. On failure *world is what it was. */
 vv_status vvi_world_merge(vv_world **world, const vv_world *from, const vv_registry *registry);
