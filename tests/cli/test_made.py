@@ -245,15 +245,15 @@ def write_vectors(path, samples):
 
 
 def test_a_chain_with_further_inputs_streams():
-    samples = np.cumsum(RANDOM.integers(-2, 3, (2, 1024, 64, 32, 2)), 1) % 251
+    samples = np.cumsum(RANDOM.integers(-2, 3, (2, 768, 64, 32, 2)), 1) % 251
     write_vectors("big.nrrd", samples)  # four times the memory
     write_vectors("other.nrrd", samples[1:, ..., ::-1])  # goes with both time steps
-    write_samples("mask.nrrd", (32, 64, 1024), (RANDOM.random((1024, 64, 32)) > 0.3).astype("u1").tobytes())
-    chain = "gaussian --sigma 1 | mask mask=mask.nrrd | median | calc 'a - 0.5*b' b=other.nrrd | rescale --percentile 1..99 --type u8"
+    write_samples("mask.nrrd", (32, 64, 768), (RANDOM.random((768, 64, 32)) > 0.3).astype("u1").tobytes())
+    chain = "gaussian --sigma 1 | mask mask=mask.nrrd | mean --radius 1vox | calc 'a - 0.5*b' b=other.nrrd | rescale --percentile 1..99 --type u8"
     whole = ok("pipe", "big.nrrd", chain, "-o", "whole.nrrd", "--json").json
-    parts = ok("pipe", "big.nrrd", chain, "-o", "parts.nrrd", "--memory", "8M", "--threads", 2, "--json").json
+    parts = ok("pipe", "big.nrrd", chain, "-o", "parts.nrrd", "--memory", "6M", "--threads", 2, "--json").json
     assert (whole["streamed"], parts["streamed"], parts["frames"], parts["components"]) == (False, True, 2, 2)
-    assert parts["peak_bytes"] <= 8 << 20 and read("whole.nrrd") == read("parts.nrrd")
+    assert parts["peak_bytes"] <= 6 << 20 and read("whole.nrrd") == read("parts.nrrd")
     ok("pipe", "big.nrrd", chain + " | resample --size 16,32,64", "-o", "small.vv.json")  # made data: on the way nothing is held
     ok("convert", "small.vv.json", "--frame", 1, "-o", "made.nrrd", "--memory", "12M")
     ok("resample", "whole.nrrd@1", "--size", "16,32,64", "-o", "truth.nrrd")
