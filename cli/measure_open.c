@@ -212,10 +212,11 @@ vv_status cli_measured_open_beside(cli_measured *out, cli_command *command, cons
 
 void cli_measured_close(cli_measured *in)
 {
-    cli_input *const files[] = {&in->file[0], &in->file[1], &in->mask, &in->values};
     vvi_measured_close(&in->of);
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
-        cli_input_close(files[i]);
+    cli_input_close(&in->file[0]);
+    cli_input_close(&in->file[1]);
+    cli_input_close(&in->mask);
+    cli_input_close(&in->values);
     vv_object_release(in->world ? &in->world->base : NULL);
     free(in->planes);
 }

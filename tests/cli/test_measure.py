@@ -984,7 +984,7 @@ def test_distances_are_of_parts_and_of_labels_too():
     near(ok("measure", "distance", "s.vv.json", *sphere[2:], "--json").json["distance"], found["distance"], 1e-9)
     random = np.random.default_rng(3)
     within = []
-    for i in range(24): # two balls as labels
+    for i in range(12): # two balls as labels
         radius, middle = random.uniform(3, 6, 2), random.uniform(7, 8, (2, 3))
         middle[1] += random.uniform(15, 17, 3) * np.eye(3)[i % 3]
         at = np.moveaxis(np.indices((25, 25, 25)), 0, -1)[..., ::-1]
@@ -992,7 +992,7 @@ def test_distances_are_of_parts_and_of_labels_too():
         write("l.nrrd", (inside[0] + 2 * inside[1]).astype(np.uint8), spacing=(0.7, 0.7, 0.7))
         found = ok("measure", "distance", "l.nrrd", "l.nrrd", "--label", "1", "--other-label", "2", "--json").json
         within.append(abs(found["distance"] - 0.7 * (math.dist(*middle) - radius.sum())) <= found["distance_error"])
-    assert sum(within) >= 23, within
+    assert sum(within) >= 11, within
     near(ok("measure", "distance", "l.nrrd", "--label", "1", "--point", "20,20,20", "--json").json["distance"],
          0.7 * (math.dist(middle[0], (20, 20, 20)) - radius[0]), 0.03)
     assert "label" in volvis("measure", "distance", "l.nrrd", "--label", "9", "--point", "1,1,1").message

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-enum { LEVEL = 7, TRIANGLES = 20 << 2 * LEVEL }; /* 327680: five blocks */
+enum { LEVEL = 6, TRIANGLES = 20 << 2 * LEVEL }; /* 81920: two blocks */
 #define RADIUS 50.0
 
 static vv_mesh *simplified(vv_mesh *mesh, const char *settings, int threads)
@@ -84,12 +84,12 @@ static void expect_same(const vv_mesh *a_mesh, const vv_mesh *b_mesh)
 
 static void a_sphere_keeps_its_distance_and_stays_closed(void **state)
 {
-    const double error = 0.05, facets = 0.004; /* as far as the facets of the sphere were inside */
+    const double error = 0.2, facets = 0.016; /* as far as the facets of the sphere were inside */
     if (!vvi_can_simplify())
         skip();
     vv_mesh *sphere = test_mesh_sphere((vv_vec3){0, 0, 0}, RADIUS, LEVEL);
     assert_int_equal(vv_mesh_get_info(sphere)->n_triangles, TRIANGLES);
-    vv_mesh *out = simplified(sphere, "error=0.05", 2);
+    vv_mesh *out = simplified(sphere, "error=0.2", 2);
     const size_t n = vv_mesh_get_info(out)->n_triangles;
     double least = INFINITY;
     for (size_t t = 0; t < n; t++)
@@ -98,7 +98,7 @@ static void a_sphere_keeps_its_distance_and_stays_closed(void **state)
         fail_msg("a triangle lies %g inside", RADIUS - least);
     assert_true(n < TRIANGLES / 10);
     assert_int_equal(test_mesh_bad_edges(out), 0);
-    vv_mesh *alone = simplified(sphere, "error=0.05", 1);
+    vv_mesh *alone = simplified(sphere, "error=0.2", 1);
     expect_same(out, alone); /* whatever the number of threads */
     vv_mesh_release(alone);
     vv_mesh_release(out);

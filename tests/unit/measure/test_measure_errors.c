@@ -34,7 +34,7 @@ static const sort sorts[] = {
     {BOX, false, {0.5, 1, 2}},    {BOX, true, {1, 1, 1}},       {BOX, true, {0.5, 1, 2}},
     {CYLINDER, false, {1, 1, 1}}, {CYLINDER, true, {1, 1, 1}},  {CYLINDER, true, {0.5, 1, 2}},
 };
-enum { SORTS = sizeof sorts / sizeof *sorts, TRIES = 100, CONES = 60 };
+enum { SORTS = sizeof sorts / sizeof *sorts, TRIES = 60, CONES = 60 };
 
 /* hypot() takes most of the time of a test that asks it at each voxel, for cases that are none here. */
 static double diagonal(double x, double y)
