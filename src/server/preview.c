@@ -252,6 +252,20 @@ static vv_status put_data(work *w, vv_object **root)
     return st == VV_OK ? vv_path_set(root, path, name, NULL) : st;
 }
 
+const char *const vvi_label_properties[] = {"table", "names", NULL};
+
+/* New labels are seen as they will be: without the colours of those that they are made of. */
+static vv_status forget_labels(const work *w, vv_object **root)
+{
+    char path[PATH_ROOM + 64];
+    vv_status st = VV_OK;
+    for (const char *const *name = vvi_label_properties; *name && st == VV_OK; name++) {
+        snprintf(path, sizeof path, "volumes.%.128s." VVI_LABELS_PATH "%s", w->wish->volume, *name);
+        st = vv_path_unset(root, path, NULL);
+    }
+    return st;
+}
+
 /* From where it is seen now, with the result in the place of the data. What it is made of is drawn on the way. */
 static vv_status picture_world(vv_world **out, work *w)
 {
@@ -275,6 +289,8 @@ static vv_status picture_world(vv_world **out, work *w)
         st = vv_path_copy(&root, &fixed->base, path, NULL);
         if (st == VV_OK)
             st = vv_path_copy(&root, &fixed->base, "cross_hair", NULL);
+        if (st == VV_OK && !w->made.operation->carry && !w->wish->inserted)
+            st = forget_labels(w, &root);
     }
     vv_object_release(&fixed->base);
     if (st == VV_OK)

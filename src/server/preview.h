@@ -46,6 +46,10 @@ void vvi_preview_finish(vvi_preview *preview);
  * nobody knows, as of meshes. Errors: those of the operation. */
 vv_status vvi_preview_seconds(double *out, const vv_world *world, const char *made, int64_t frame, vv_job *job);
 
+/** What a volume says of labels by their numbers, below VVI_LABELS_PATH; NULL ends it. */
+extern const char *const vvi_label_properties[];
+#define VVI_LABELS_PATH "segmentation.labels."
+
 /** Of a picture of a plane: the box of samples that it shows, with `margin` more to each side; false: it shows none. */
 bool vvi_preview_seen(vv_box *out, const vv_scene *scene, vv_affine index_to_world, const int64_t dims[3], int margin);
 /** A box in another that has at most `most` samples and has an index in its middle as far as it can: what is thin stays

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "io/source.h"
 #include "run/made.h"
+#include "server/preview.h"
 #include "server/request.h"
 
 #include <stdio.h>
@@ -100,6 +101,24 @@ static void add_shown(json_t *edits, const vv_world *world, size_t volume, const
     json_array_append_new(edits, json_pack("{s:s, s:s, s:s}", "op", "set", "path", path, "value", dataset));
 }
 
+static void add_unset(json_t *edits, const char *volume, const vv_object *labels, const char *name)
+{
+    char path[160];
+    snprintf(path, sizeof path, "volumes.%s." VVI_LABELS_PATH "%s", volume, name);
+    if (vv_object_is_set(labels, name))
+        json_array_append_new(edits, json_pack("{s:s, s:s}", "op", "unset", "path", path));
+}
+
+/* New labels have neither the names nor the colours of those that they are made of. */
+static void add_forgotten(json_t *edits, const vv_volume *volume, const char *id)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    if (!segmentation)
+        return;
+    for (const char *const *name = vvi_label_properties; *name; name++)
+        add_unset(edits, id, segmentation->labels, *name);
+}
+
 /* Shown in the place of the first volume that showed what it is made of; others that said nothing show the only dataset
  * that there was. Takes the recipe. */
 static json_t *edits_for(const vvi_request *r, const vv_world *world, json_t *recipe, const char *id)
@@ -110,6 +129,8 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, json_t *re
         const vv_volume *volume = vvi_volume_nth(world, i);
         if (i == first || !volume->data)
             add_shown(edits, world, i, i == first ? id : r->dataset);
+        if (i == first && !r->operation->carry)
+            add_forgotten(edits, volume, world->volumes->entry[i].id);
     }
     return edits;
 }

@@ -113,6 +113,7 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
         snprintf(name, sizeof name, "operation.%s", (*row)->name);
         vvi_result_string(out, "class", name);
         tell_operands(out, *row);
+        vvi_result_bool(out, "new_values", !(*row)->carry);
         vvi_result_string(out, "gives", vv_operation_makes(*row) == VV_IS_MESH ? "mesh" : "volume");
         vvi_result_close(out, '}');
     }

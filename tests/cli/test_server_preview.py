@@ -158,6 +158,25 @@ def test_a_step_between_others_is_compared_with_what_it_is_made_of_and_its_end_w
     on_slices(work)
 
 
+def test_new_labels_have_no_names_and_colours_of_old_ones():
+    async def work(page):
+        await told(page, "edit", edits=[
+            {"op": "add", "path": "datasets", "id": "body", "value": {"operation": "threshold", "inputs": {"volume": "a"}, "parameters": {"range": "500.."}}},
+            {"op": "set", "path": "volumes.a.data", "value": "body"},
+            {"op": "set", "path": "volumes.a.segmentation.labels.table", "value": [[1, 1, 0, 0, 1]]},
+            {"op": "add", "path": "volumes.a.segmentation.labels.names", "id": None, "value": {"label": 1, "name": "ball"}}])
+        red = decoded((await page.resting()).data)
+        for operation, keeps in (("dilate", True), ("components", False)):
+            preview = await page.ask("preview", operation=operation, dataset="body", parameters={})
+            await told(page, "run", operation=operation, dataset="body", parameters={})
+            assert (picture(preview) == decoded((await page.resting()).data)).all() and (picture(preview) != red).any(), operation
+            labels = page.world["world"]["volumes"]["a"].get("segmentation", {}).get("labels", {})
+            assert set(labels) == ({"table", "names"} if keeps else set()), labels
+            await told(page, "undo")
+        await told(page, "undo")
+    on_slices(work)
+
+
 def test_a_step_whose_time_nobody_knows_is_seen_by_itself_unless_all_is_asked_for():
     write(noisy())
     with Server("a.nrrd") as server:

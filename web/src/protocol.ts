@@ -54,6 +54,8 @@ export interface Operation {
   class: string;
   inputs: Operand[];
   gives: "volume" | "mesh";
+  /** What is known of the input's values and labels does not hold of the result's. */
+  new_values?: boolean;
 }
 
 /** A way in which a kind is measured: of which data, from how many points (0: however many), with which properties. */

@@ -1,13 +1,13 @@
 // Pure modules of the Measurement room against formulas and examples.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { angleOf, boxBetween, isInSlice, lengthOf, project, toIndex } from "../src/measure/geometry";
+import { angleOf, boxBetween, cross, dot, isInSlice, lengthOf, minus, onPlane, project, toIndex } from "../src/measure/geometry";
 import { csvOfAnswer, labelRows, plotOf, type Curve } from "../src/measure/plots";
 import { curvePath, rangeOf, readout } from "../src/measure/plot_geometry";
 import { extentOf, handlesOf, movedRegion, regionOf } from "../src/measure/regions";
 import { csvOfRows, rowOf, sorted, type Order, type Row } from "../src/measure/rows";
 import { hintOf, toolsOf } from "../src/measure/tools";
-import type { JsonObject, Measure, MeasureForm } from "../src/protocol";
+import type { JsonObject, Measure, MeasureForm, Pose } from "../src/protocol";
 import type { Vec3 } from "../src/slices/geometry";
 
 test("tools of the Measurement room come from the table of kinds", () => {
@@ -120,4 +120,18 @@ test("answers are plotted as what they are: curves with gaps, steps, counts in a
   assert.equal(csvOfAnswer(joint), "value_from,value_to,gradient_from,gradient_to,count\r\n0,1,0,1,3\r\n");
   assert.equal(plotOf({ distance: 3 }), null);
   assert.deepEqual(labelRows({ labels: [{ label: 1, centroid: [1, 2, 3] }] }), { head: ["label", "centroid_x", "centroid_y", "centroid_z"], rows: [[1, 1, 2, 3]] });
+});
+
+test("what is seen at a place of the picture is on the plane that one draws in", () => {
+  for (const parallel of [false, true]) {
+    const pose = { type: "pose", eye: [3, -200, 40], at: [5, 4, 10], up: [0.1, 0, 1], parallel, fov: 30, height: 80, moving: false } as Pose;
+    const [through, normal]: Vec3[] = [[10, 2, 12], [0.2, -0.9, 0.3]];
+    for (const place of [[0.5, 0.5], [0.1, 0.8], [0.9, 0.3]] as [number, number][]) {
+      const p = onPlane(pose, 1.6, place, through!, normal!)!;
+      assert.ok(Math.abs(dot(minus(p, through!), normal!)) < 1e-9, String(p));
+      project(pose, 1.6, p)!.forEach((v, i) => assert.ok(Math.abs(v - place[i]!) < 1e-9, `${parallel} ${v}`));
+    }
+    assert.equal(onPlane(pose, 1, [0.5, 0.5], through!, cross(minus(pose.eye, pose.at), pose.up)), null); // edge on
+    if (!parallel) assert.equal(onPlane(pose, 1, [0.5, 0.5], [3, -300, 40], normal!), null); // behind the eye
+  }
 });

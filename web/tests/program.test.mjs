@@ -253,10 +253,10 @@ describe("the program behind the page", TOGETHER, () => {
       await page.locator("[data-slice=axial][data-final]").waitFor();
     };
     const rowsOf = (page) => page.locator(".measure-table tbody tr");
-    const measure = async (page, tool, places) => {
+    const measure = async (page, tool, places, where) => {
       const before = await rowsOf(page).count();
       await page.locator(".measure-tool", { hasText: tool }).click();
-      const box = await slice(page).boundingBox();
+      const box = where ?? (await slice(page).boundingBox());
       for (const [x, y] of places) await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 + y);
       await rowsOf(page).nth(before).waitFor();
       await page.keyboard.press("Escape");
@@ -353,6 +353,13 @@ describe("the program behind the page", TOGETHER, () => {
       const sphere = await measure(page, /^Sphere$/, [[0, 0], [40, 0]]);
       await agrees(sphere, "sphere");
 
+      // in the Navigator in the plane that faces the viewer, through what is seen at the first click; also beside the object
+      const view = await page.locator("[data-viewport]").boundingBox();
+      const facing = await measure(page, /^Ellipse$/, [[0, 0], [view.width / 2 - 4, 30]], view);
+      const { right, normal } = facing.region;
+      isNear(Math.abs(normal[0]) + Math.abs(normal[1]) > 0.1 && right.reduce((sum, v, i) => sum + v * normal[i], 0), 0, 1e-6, "the plane of the Navigator");
+      await agrees(facing, "ellipse2");
+
       // a polygon ends with Enter, Escape leaves it; in one go it is drawn by a drag
       const corner = (x, y) => [[box.x + box.width / 2 + x, box.y + box.height / 2 + y]][0];
       const box = await slice(page).boundingBox();
@@ -363,7 +370,7 @@ describe("the program behind the page", TOGETHER, () => {
       for (const [x, y] of [[-50, -40], [50, -40], [0, 50]]) await page.mouse.click(...corner(x, y));
       await until(async () => (await slice(page).locator("g[aria-hidden] .measure-dot").count()) === 3, "not all corners are drawn");
       await page.keyboard.press("Enter");
-      await rowsOf(page).nth(4).waitFor();
+      await rowsOf(page).nth(5).waitFor();
       const added = () => page.sent.findLast((m) => m.type === "edit" && m.edits[0].path === "measurements").edits[0].value;
       const polygon = added();
       assert.equal(polygon.region.outline.length, 3);
@@ -372,7 +379,7 @@ describe("the program behind the page", TOGETHER, () => {
       await page.mouse.down();
       for (let i = 1; i < 24; i++) await page.mouse.move(...corner(-40 * Math.cos(i / 4), 40 * Math.sin(i / 4)));
       await page.mouse.up();
-      await rowsOf(page).nth(5).waitFor();
+      await rowsOf(page).nth(6).waitFor();
       assert.ok(added().region.outline.length > 12, "a drag draws an outline");
       await page.keyboard.press("Escape");
 

@@ -131,7 +131,15 @@ export function insertStep(tables: Tables, after: string, id: string, recipe: Js
   if (taken.some((path) => others.some((other) => path.startsWith(`datasets.${String(other)}.`) && other !== after)))
     return "One of its other inputs stands on this step: that would be a ring.";
   const edits = hand(next, taken, id);
-  return typeof edits === "string" ? edits : [{ op: "add", path: "datasets", id, value: recipe }, ...edits];
+  return typeof edits === "string" ? edits : [{ op: "add", path: "datasets", id, value: recipe }, ...edits, ...forgotten(tables, recipe, taken)];
+}
+
+/** New labels have neither the names nor the colours of those that they are made of. */
+function forgotten({ world, operations }: Tables, recipe: JsonObject, takers: string[]): Edit[] {
+  if (!operations.find((row) => row.name === recipe["operation"])?.new_values) return [];
+  const shown = takers.flatMap((path) => /^(volumes\.[^.]+)\.data$/.exec(path)?.[1] ?? []);
+  return shown.flatMap((volume) => ["table", "names"].map((name) => `${volume}.segmentation.labels.${name}`))
+    .filter((path) => valueAt(world, path) !== undefined).map((path) => ({ op: "unset", path }));
 }
 
 /** One step to another place; what stood on the last one stands on the one that is last then. */

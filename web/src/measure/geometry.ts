@@ -1,7 +1,9 @@
 /** Places of measurements: from the World to a picture, lengths and angles while a hand draws, and boxes of samples. */
 import type { JsonObject, Pose } from "../protocol";
 import { AXIS, runAlong, toPicture, type Plane, type Vec3 } from "../slices/geometry";
-import { axesOf, seenAt, toCamera } from "../view/light_geometry";
+import { axesOf, fromCamera, halfHeight, seenAt, toCamera } from "../view/light_geometry";
+
+const EDGE_ON = 1e-3; // sine of the angle between a ray and a plane
 
 export const minus = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -23,6 +25,18 @@ export function project(pose: Pose, aspect: number, p: Vec3): [number, number] |
   if (pose.parallel) return toPicture(pose, aspect, p);
   const at = seenAt(toCamera(minus(p, pose.eye), axesOf(pose)), pose);
   return at && [0.5 + at[0] / (2 * aspect), 0.5 - at[1] / 2];
+}
+
+/** The point of the plane through `through` that is seen at a place of a picture; null: the plane is seen edge on there, or is behind the eye. */
+export function onPlane(pose: Pose, aspect: number, [x, y]: [number, number], through: Vec3, normal: Vec3): Vec3 | null {
+  const axes = axesOf(pose);
+  const half = halfHeight(pose, 1);
+  const aside: Vec3 = [(2 * x - 1) * aspect * half, (1 - 2 * y) * half, 0];
+  const from = pose.parallel ? (fromCamera(aside, axes).map((v, i) => v + pose.eye[i]!) as Vec3) : pose.eye;
+  const way = fromCamera(pose.parallel ? [0, 0, -1] : [aside[0], aside[1], -1], axes);
+  const [off, down] = [dot(minus(through, from), normal), dot(way, normal)];
+  if (Math.abs(down) < EDGE_ON * Math.hypot(...way) || (!pose.parallel && off / down <= 0)) return null;
+  return from.map((v, i) => v + (way[i]! * off) / down) as Vec3;
 }
 
 /** Whether a place belongs to the slice through the cross-hair: it is no farther than half a step from it. */

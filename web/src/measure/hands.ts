@@ -8,10 +8,10 @@ import { draft, finish, hover, isOpen, place, takeBack, takeTool, tool } from ".
 /** A viewport: what is at a place of it, from 0 to 1 from the top left. */
 export interface Target {
   name: string;
-  /** Exactly, in a slice; null where only what is seen has a place. */
+  /** Exactly, in the plane that one draws in; null where only what is seen has a place. */
   at(x: number, y: number): Vec3 | null;
   pick(x: number, y: number): Promise<Pick | null>;
-  /** Of a slice: its plane, to draw in. */
+  /** The plane that flat regions are drawn in. */
   frame?(): Frame | null;
   /** Where keys place points. */
   middle(): [number, number];
@@ -23,7 +23,7 @@ export function press(target: Target, x: number, y: number): void {
   const at = target.at(x, y);
   order = order.then(async () => {
     const seen = await target.pick(x, y);
-    const there = at ?? (seen?.hit ? (seen.position as Vec3 | null) : null);
+    const there = at ?? target.at(x, y) ?? (seen?.hit ? (seen.position as Vec3 | null) : null);
     if (there) place(there, seen, target.frame?.() ?? null);
     else store.notify("info", "Nothing is seen there: points are placed on what is seen, or in slices.");
   });

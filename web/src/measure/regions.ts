@@ -56,7 +56,7 @@ const isPlace = (value: Json | undefined): value is [number, number, number] => 
 const unit = (v: Vec3): Vec3 => v.map((x) => x / (Math.hypot(...v) || 1)) as Vec3;
 
 /** As the program chooses what is not set. */
-function frameOf(region: JsonObject): Frame {
+export function frameOf(region: JsonObject): Frame {
   const normal = unit(isPlace(region["normal"]) ? region["normal"] : [0, 0, 1]);
   const way: Vec3 = isPlace(region["right"]) ? region["right"] : Math.abs(normal[0]) <= Math.max(Math.abs(normal[1]), Math.abs(normal[2])) ? [1, 0, 0] : [0, 1, 0];
   const right = unit(from(way, [normal, -dot(normal, way)]));

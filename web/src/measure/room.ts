@@ -6,7 +6,7 @@ import type { Vec3 } from "../slices/geometry";
 import * as store from "../store";
 import { freeName, isObject, valueAt } from "../values";
 import { boxBetween, cross, dot, minus, toIndex } from "./geometry";
-import { handlesOf, isFlat, movedRegion, regionOf, type Frame } from "./regions";
+import { frameOf, handlesOf, isFlat, movedRegion, regionOf, type Frame } from "./regions";
 import { figuresOf, rowOf, type Figure, type Row } from "./rows";
 import { hintOf, toolsOf, type Tool } from "./tools";
 
@@ -21,7 +21,7 @@ export const kindOf = (of: Tool): string => wish.value[of.name] ?? of.kinds[0]!;
 export interface Place {
   at: Vec3;
   seen: Pick | null;
-  /** Of the slice that it is in. */
+  /** Of the plane that is drawn in: of the slice, or as the Navigator is looked into. */
   frame: Frame | null;
 }
 export const draft = signal<Place[]>([]);
@@ -170,9 +170,9 @@ const TOO_NEAR = 1e-9;
 /** Why a flat region has no corner there. */
 function missesPlane(at: Vec3, frame: Frame | null): string | null {
   const first = draft.value[0];
-  if (!frame) return "Rectangles, ellipses and polygons are drawn in slices.";
+  if (!frame) return "There is no picture yet to draw in.";
   const off = first?.frame ? dot(minus(at, first.at), cross(first.frame.right, first.frame.up)) : 0;
-  return Math.abs(off) > TOO_NEAR * (1 + Math.hypot(...at)) ? "All corners lie in one slice: go on where the first one is, or press Escape." : null;
+  return Math.abs(off) > TOO_NEAR * (1 + Math.hypot(...at)) ? "All corners lie in one plane: go on where the first one is, or press Escape." : null;
 }
 
 export function place(at: Vec3, seen: Pick | null, frame: Frame | null): void {
@@ -210,6 +210,12 @@ export const pointsOf = (id: string): Vec3[] => placesOf(objectAt(id));
 export function regionKind(id: string): string {
   const { region } = objectAt(id);
   return isObject(region) ? String(region["kind"] ?? "") : "";
+}
+
+/** The plane that its corners lie in; null: it has none. */
+export function planeOf(id: string): Frame | null {
+  const { region } = objectAt(id);
+  return isObject(region) && region["kind"] !== "ellipsoid" ? frameOf(region) : null;
 }
 
 /** A drag: its places, and at the end what comes out of them, are one step. */

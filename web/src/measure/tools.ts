@@ -26,9 +26,9 @@ const ORDER = ["point", "distance", "polyline", "angle", "profile", "geodesic"];
 
 /** property: by which a measurement has it. */
 const OBJECTS: { takes: Exclude<Takes, "points">; property: string | null; title: string; doc: string; icon: IconName; clicks: [number, number]; first: string }[] = [
-  { takes: "rectangle", property: "region", title: "Rectangle", doc: "what lies in a rectangle of a slice", icon: "rectangle", clicks: [2, 2], first: "statistics" },
-  { takes: "ellipse", property: "region", title: "Ellipse", doc: "what lies in an ellipse of a slice", icon: "ellipse", clicks: [2, 2], first: "statistics" },
-  { takes: "polygon", property: "region", title: "Polygon", doc: "what lies in an outline of a slice, clicked corner by corner or drawn in one go", icon: "polygon", clicks: [3, Infinity], first: "statistics" },
+  { takes: "rectangle", property: "region", title: "Rectangle", doc: "what lies in a rectangle, one slice thick", icon: "rectangle", clicks: [2, 2], first: "statistics" },
+  { takes: "ellipse", property: "region", title: "Ellipse", doc: "what lies in an ellipse, one slice thick", icon: "ellipse", clicks: [2, 2], first: "statistics" },
+  { takes: "polygon", property: "region", title: "Polygon", doc: "what lies in an outline, one slice thick, clicked corner by corner or drawn in one go", icon: "polygon", clicks: [3, Infinity], first: "statistics" },
   { takes: "sphere", property: "region", title: "Sphere", doc: "what lies in a ball: its middle, then its border", icon: "sphere", clicks: [2, 2], first: "statistics" },
   { takes: "box", property: "box", title: "Box", doc: "what lies in a box of samples", icon: "region", clicks: [2, 2], first: "statistics" },
   { takes: "seed", property: "seed", title: "Piece", doc: "the connected piece that is clicked", icon: "piece", clicks: [1, 1], first: "summary" },
@@ -63,6 +63,6 @@ export function hintOf(tool: Tool, given: number): string {
   const which = ["first", "second", "third"][given] ?? "next";
   const end = given >= tool.least && tool.most > tool.least ? ` Enter or a double click ${tool.takes === "polygon" ? "closes the outline" : "ends the line"}.` : "";
   const next = tool.takes === "sphere" ? (given ? "a place on its border" : "the middle") : tool.most === 1 ? `the ${what}` : `the ${which} ${what}`;
-  const where = isFlat(tool.takes) && !given ? " in a slice" : "";
+  const where = isFlat(tool.takes) && !given ? " in a slice, or in the Navigator to draw in the plane that faces you" : "";
   return `Click ${next}${where}, or press Space.${end}${given ? " Backspace takes the last one back, Escape all of them." : " Escape puts the tool away."}`;
 }

@@ -56,7 +56,7 @@ export function fromDisc(x: number, y: number): Vector {
 }
 
 /** Half the height of what is seen at a depth. */
-function halfHeight(camera: Camera, depth: number): number {
+export function halfHeight(camera: Camera, depth: number): number {
   return camera.parallel ? (camera.height ?? 1) / 2 : depth * Math.tan((((camera.fov ?? 30) / 2) * Math.PI) / 180);
 }
 
