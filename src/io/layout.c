@@ -78,7 +78,8 @@ typedef struct walk {
     uint8_t *row;               /* SCATTER_ELEMENTS elements */
     uint64_t done, total;
     int64_t frame;
-    uint64_t end; /* elements of the file that are there, where it is cut short; else UINT64_MAX */
+    uint64_t end;      /* elements of the file that are there, where it is cut short; else UINT64_MAX */
+    bool half_checked; /* of data of which it was known where they end, before they were read to there */
 } walk;
 
 /* Two neighbouring axes are one when the lower is wanted whole and the output goes on evenly, or when of the upper only
@@ -214,14 +215,15 @@ static vv_status check_half(const walk *w, uint64_t end)
 }
 
 /* Before elements are written up to `to_end`: no page of the output beyond it has been touched, whatever the order. */
-static vv_status hold(const walk *w, const uint8_t *to_end)
+static vv_status hold(walk *w, const uint8_t *to_end)
 {
-    bool cut = false;
+    bool seen = false;
     if (!w->elements->source)
         return VV_OK;
-    const vv_status st = vvi_source_hold(w->elements->source, (uint64_t)(to_end - w->out), &cut);
-    if (st != VV_OK || !cut || !w->elements->end_by_bytes)
+    const vv_status st = vvi_source_hold(w->elements->source, (uint64_t)(to_end - w->out), &seen);
+    if (st != VV_OK || !seen || w->half_checked || !w->elements->end_by_bytes)
         return st;
+    w->half_checked = true;
     return check_half(w, w->elements->end(w->elements->user));
 }
 

@@ -229,9 +229,9 @@ uint64_t vvi_source_left(vv_source *s, bool *exact)
 {
     uint64_t all = vvi_source_window_bytes(s, exact);
     if (s->decoder) {
-        *exact = s->ended;
-        if (s->ended)
-            return s->decoded - s->at;
+        *exact = s->ended || vvi_source_seen(s);
+        if (*exact)
+            return vvi_source_end(s) > s->at ? vvi_source_end(s) - s->at : 0;
         /* A coded stream in a coded file may not expand further than one alone: the caps are the same for both. */
         bool root_exact;
         vv_source *root = s;
@@ -250,9 +250,10 @@ uint64_t vvi_source_left(vv_source *s, bool *exact)
 
 uint64_t vvi_source_end(const vv_source *s)
 {
-    if (s->decoder || s->parent || !s->store->seekable)
-        return s->cut_at ? s->cut_at : s->decoded;
-    const uint64_t there = s->store->size > s->start ? s->store->size - s->start : 0;
+    if (s->decoder || (!s->parent && !s->store->seekable))
+        return vvi_source_seen(s) ? s->ends_at : s->decoded;
+    const uint64_t all = s->parent ? vvi_source_end(s->parent) : s->store->size,
+                   there = all > s->start ? all - s->start : 0;
     return there < s->n ? there : s->n;
 }
 

@@ -89,12 +89,15 @@ vvi_coding vvi_source_sniff(vv_source *source);
 /** Before memory holds `bytes` of what comes from coded data: where that is more than 64 MiB and twice the file, what
  * follows is unpacked to its end and thrown away, so that damaged data cost no more until they are refused. Where the
  * source stands does not change (docs/decisions/0021-proven-before-memory.md). VV_OK also where the data are cut short,
- * which readers make what they can of: *cut_out. Who calls this tells what is held, from the first call on; for others
- * the source does it and counts all that it hands out. */
-vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out);
+ * which readers make what they can of. *seen_out: vvi_source_end() and vvi_source_left() know where they end. Who calls
+ * this tells what is held, from the first call on; for others the source does it and counts all that it hands out. */
+vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *seen_out);
 /** Before `bytes` more are taken for what is made of coded data and stays, where nobody knows beforehand how much that
- * will be (meshes): as vvi_source_hold() with all that was told so. VV_E_FORMAT also where the data are cut short. */
+ * will be (meshes): as vvi_source_hold() with all that was told so. VV_E_FORMAT also where the data are cut short or
+ * end before what is needed. */
 vv_status vvi_source_grow(vv_source *source, uint64_t bytes);
+/** From here on `bytes` more must follow, by what a header says. */
+void vvi_source_need(vv_source *source, uint64_t bytes);
 /** What else will be read of the same data, in order and to its end, so that the checksum there need not be looked for
  * now: the rest of a time step that is read in slabs, later time steps. */
 enum { VVI_FOLLOW_SLABS = 1, VVI_FOLLOW_FRAMES = 2 };

@@ -1,5 +1,4 @@
 /* Whether coded data are what was written: checksums stand at their end, and what is read of them may lie before. */
-#include "core/allowed_places.h"
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
@@ -13,9 +12,6 @@
 #define UNPROVEN_BYTES ((uint64_t)55 << 20)
 #define UNPROVEN_BYTES_ANEW ((uint64_t)40 << 20)
 #define UNPROVEN_TIMES 2
-/* Of codings whose decoders cannot be copied, all is unpacked anew to be proven. Where it is this many times as much as
- * was packed, that takes hardly longer than to write it to memory; strangers' data wait for it even so. */
-#define UNPROVEN_TIMES_ANEW 32
 /* Unpacked in half a second, with zlib in two. */
 #define REST_MOST ((uint64_t)512 << 20)
 
@@ -60,7 +56,8 @@ static vv_status stand_aside(vv_source *s)
 
 typedef struct proof {
     vv_source *source;
-    uint64_t cut_at; /* 0: it is whole */
+    uint64_t ends_at;
+    bool cut;
 } proof;
 
 /* At its end. */
@@ -69,7 +66,8 @@ static vv_status judge(proof *p)
     const vv_source *s = p->source;
     if (s->problem[0] && !s->cut)
         return vvi_source_fail(s);
-    p->cut_at = s->cut ? s->decoded : 0;
+    p->ends_at = s->decoded;
+    p->cut = s->cut;
     return VV_OK;
 }
 
@@ -114,7 +112,14 @@ static vv_status prove(void **value_out, uint64_t *bytes_out, void *user, vv_job
     *value_out = NULL;
     *bytes_out = 0;
     const vv_status st = go_aside(p->source, p);
-    return st == VV_OK && p->cut_at ? VV_E_FORMAT : st; /* told by who asked, and not to be remembered */
+    if (st != VV_OK || p->cut)
+        return st != VV_OK ? st : VV_E_FORMAT; /* told by who asked, and not to be remembered */
+    uint64_t *ends_at = vvi_alloc(NULL, sizeof *ends_at, VVI_MEM_DERIVED); /* counted by nobody, and never shed */
+    if (!ends_at)
+        return vv_fail_memory(sizeof *ends_at);
+    *ends_at = p->ends_at;
+    *value_out = ends_at;
+    return VV_OK;
 }
 
 /* VV_OK also where it is cut. */
@@ -122,14 +127,15 @@ static vv_status prove_once(vv_source *s)
 {
     vvi_cache_key key;
     vvi_cached *entry = NULL;
-    proof p = {s, 0};
+    proof p = {s, 0, false};
     const vv_status st = s->ended            ? judge(&p)
-                         : identify(&key, s) ? vvi_cache_get(&entry, &key, prove, NULL, &p, s->job)
+                         : identify(&key, s) ? vvi_cache_get(&entry, &key, prove, vvi_free, &p, s->job)
                                              : go_aside(s, &p);
+    s->ends_at = entry ? *(const uint64_t *)vvi_cached_value(entry) : p.ends_at;
     vvi_cache_release(entry);
-    s->cut_at = p.cut_at;
-    s->proven |= st == VV_OK && p.cut_at == 0;
-    return p.cut_at ? VV_OK : st;
+    s->proven_cut = p.cut;
+    s->proven |= st == VV_OK && !p.cut;
+    return p.cut ? VV_OK : st;
 }
 
 /* What is not there ------------------------------------------------------------------------------------------------ */
@@ -159,26 +165,25 @@ static uint64_t unproven_most(vv_source *s)
         s = s->parent;
     const uint64_t packed = vvi_source_window_bytes(s, &exact);
     const bool copies = vvi_coding_copies(c->coding);
-    const uint64_t times = copies || vvi_job_distrusts_all(c->job) ? UNPROVEN_TIMES : UNPROVEN_TIMES_ANEW;
     const uint64_t least = copies ? UNPROVEN_BYTES : UNPROVEN_BYTES_ANEW;
-    return packed < (UINT64_MAX - least) / times ? least + times * packed : UINT64_MAX;
+    return packed < (UINT64_MAX - least) / UNPROVEN_TIMES ? least + UNPROVEN_TIMES * packed : UINT64_MAX;
 }
 
 static vv_status prove_before(vv_source *s, uint64_t bytes)
 {
-    const bool known = s->proven || s->cut_at || (s->ended && !s->problem[0]) || !s->store->seekable;
+    const bool known = vvi_source_seen(s) || (s->ended && !s->problem[0]) || !s->store->seekable;
     return bytes <= UNPROVEN_BYTES_ANEW || known || bytes <= unproven_most(s) ? VV_OK : prove_once(s);
 }
 
-vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *cut_out)
+vv_status vvi_source_hold(vv_source *source, uint64_t bytes, bool *seen_out)
 {
     vv_source *s = coded(source);
-    *cut_out = false;
+    *seen_out = false;
     if (!s)
         return VV_OK;
     s->told = true;
     const vv_status st = prove_before(s, bytes);
-    *cut_out = s->cut_at > 0;
+    *seen_out = vvi_source_seen(s);
     return st;
 }
 
@@ -193,6 +198,11 @@ vv_status vvi_source_hand(vv_source *s, uint64_t n)
     return !s->decoder || s->told ? VV_OK : count(s, n);
 }
 
+void vvi_source_need(vv_source *source, uint64_t bytes)
+{
+    source->needed = bytes < UINT64_MAX - source->at ? source->at + bytes : UINT64_MAX;
+}
+
 vv_status vvi_source_grow(vv_source *source, uint64_t bytes)
 {
     vv_source *s = coded(source);
@@ -200,11 +210,12 @@ vv_status vvi_source_grow(vv_source *source, uint64_t bytes)
         return VV_OK;
     s->told = true;
     const vv_status st = count(s, bytes);
-    return st != VV_OK || !s->cut_at
+    const bool short_of = s->proven_cut || (s->proven && s == source && s->ends_at < s->needed);
+    return st != VV_OK || !short_of
                ? st
                : vv_fail_at(VV_E_FORMAT, s->name, NULL,
                             "after %llu bytes of %s data: the file is cut short; get a complete copy",
-                            (unsigned long long)s->cut_at, vvi_coding_name(s->coding));
+                            (unsigned long long)s->ends_at, vvi_coding_name(s->coding));
 }
 
 vv_status vvi_source_check_end(vv_source *s)
@@ -250,7 +261,7 @@ vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
     const vv_status st = !short_way || !s->store->seekable ? VV_OK : prove_once(s);
     if (st != VV_OK)
         return st;
-    if (s->cut || s->cut_at)
+    if (s->cut || s->proven_cut)
         vvi_job_damage(
             s->job, "io",
             "%s: is cut short: what was read of it is there, but not the checksum at its end, which would tell "

@@ -34,7 +34,9 @@ struct vv_source {
     vv_status problem_status;
     bool cut;          /* that the file is cut short is the problem, and no other */
     bool proven;       /* all of it has been seen, and its checksums were right */
-    uint64_t cut_at;   /* all of it has been seen, and it is cut after so many decoded bytes; 0: not so */
+    bool proven_cut;   /* all of it has been seen, and it is cut short */
+    uint64_t ends_at;  /* where either is so: how many decoded bytes there are */
+    uint64_t needed;   /* bytes that must come of it: vvi_source_need() */
     bool told;         /* how much memory what came from it takes is said, and not counted: vvi_source_hold() */
     uint64_t handed;   /* bytes handed out, as long as they are counted; what vvi_source_grow() was told */
     unsigned follow;   /* VVI_FOLLOW_* */
@@ -47,6 +49,12 @@ struct vv_source {
     char *line;
     size_t line_room;
 };
+
+/** Whether it is known where its data end, since all of them have been seen. */
+static inline bool vvi_source_seen(const vv_source *s)
+{
+    return s->proven || s->proven_cut;
+}
 
 /** Undecoded bytes of the window, from its start; an upper bound. */
 uint64_t vvi_source_window_bytes(vv_source *source, bool *exact);

@@ -246,7 +246,7 @@ static void become(vv_source *s, vvi_store *store)
     s->between = true;
     s->ended = false;
     s->guarded = false; /* all of it has gone through its sum */
-    s->cut_at = 0;
+    s->proven_cut = false;
 }
 
 vv_status vvi_source_spool(vv_source *s, vv_job *job)

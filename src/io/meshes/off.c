@@ -298,8 +298,9 @@ static vv_status read_header(reader *r)
 static vv_status check_sizes(const reader *r)
 {
     bool exact;
-    const uint64_t left = vvi_source_left(r->source, &exact) + 2;
+    const uint64_t here = strlen(r->words.at) + 2, left = vvi_source_left(r->source, &exact) + here;
     const uint64_t need = r->n_vertices * (r->binary ? 12 : 6) + r->n_faces * (r->binary ? 20 : 8);
+    vvi_source_need(r->source, need > here ? need - here : 0);
     if (need <= left)
         return VV_OK;
     return vv_fail_at(VV_E_FORMAT, r->b.file, "header",

@@ -54,6 +54,7 @@ static vv_status check_sizes(const reader *r)
                               e->n, e->name, each, left);
         need += each * e->n;
     }
+    vvi_source_need(r->source, need > 2 ? need - 2 : 0);
     return VV_OK;
 }
 

@@ -193,6 +193,7 @@ static vv_status check_count(const binary *r, uint32_t n)
 {
     bool exact;
     const uint64_t left = vvi_source_left(r->source, &exact);
+    vvi_source_need(r->source, (uint64_t)n * VVI_STL_FACET);
     if (n <= left / VVI_STL_FACET)
         return VV_OK;
     return vv_fail_at(VV_E_FORMAT, r->b.file, "byte 80",

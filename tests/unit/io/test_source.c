@@ -162,7 +162,7 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
     const uint64_t much = (uint64_t)1 << 30; /* more than may be held unproven of so small a file */
     for (int c = VVI_CODING_GZIP; c <= VVI_CODING_ZSTD; c++)
         for (int spoilt = 0; spoilt <= (c != VVI_CODING_ZSTD); spoilt++) { /* which is written without a sum */
-            bool cut;
+            bool seen;
             vv_source *source, *twice;
             const char *path = io_path(state, "proven");
             write_coded_at(path, (vvi_coding)c, MANY, 1);
@@ -170,9 +170,10 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
                 damage(path, c == VVI_CODING_GZIP ? 8 : 4);
             io_ok(vvi_source_open(&source, path, NULL));
             check_at(source, 0, AT);
-            io_ok(vvi_source_hold(source, MANY, &cut));
-            assert_int_equal(vvi_source_hold(source, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);
-            assert_false(cut);
+            io_ok(vvi_source_hold(source, MANY, &seen));
+            assert_int_equal(vvi_source_hold(source, much, &seen), spoilt ? VV_E_FORMAT : VV_OK);
+            assert_true(seen == !spoilt && (spoilt || vvi_source_end(source) == MANY));
+            assert_true(spoilt || (vvi_source_left(source, &seen) == MANY - AT && seen));
             assert_true(vvi_source_tell(source) == AT);
             check_at(source, AT, MANY - AT - 9);
             vvi_source_close(source);
@@ -188,7 +189,7 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
             io_ok(vvi_source_open(&source, path, NULL));
             io_ok(vvi_source_section(&twice, source, 0, UINT64_MAX, (vvi_coding)c, NULL));
             check_at(twice, 0, AT);
-            assert_int_equal(vvi_source_hold(twice, much, &cut), spoilt ? VV_E_FORMAT : VV_OK);
+            assert_int_equal(vvi_source_hold(twice, much, &seen), spoilt ? VV_E_FORMAT : VV_OK);
             check_at(twice, AT, MANY - AT - 9);
             vvi_source_close(twice);
             vvi_source_close(source);
@@ -197,7 +198,7 @@ static void coded_data_are_proven_from_where_they_are_read_and_read_on_there(voi
 
 static void coded_data_that_are_cut_are_known_to_be_before_they_are_read_to_there(void **state)
 {
-    bool cut;
+    bool seen;
     size_t n;
     uint8_t *some = malloc(N);
     vv_source *source;
@@ -208,8 +209,8 @@ static void coded_data_that_are_cut_are_known_to_be_before_they_are_read_to_ther
     free(bytes);
     io_ok(vvi_source_open(&source, path, NULL));
     check_at(source, 0, N);
-    io_ok(vvi_source_hold(source, (uint64_t)1 << 30, &cut));
-    assert_true(cut);
+    io_ok(vvi_source_hold(source, (uint64_t)1 << 30, &seen));
+    assert_true(seen);
     const uint64_t end = vvi_source_end(source);
     assert_true(end > N && end < 2 * N);
     io_ok(vvi_source_read_whole(source, some, N, &n));
