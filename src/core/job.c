@@ -141,6 +141,12 @@ void vvi_job_set_urgent(vv_job *job)
         job->urgent = true;
 }
 
+void vvi_job_set_modest(vv_job *job)
+{
+    if (job)
+        job->modest = true;
+}
+
 void vvi_job_keep_fills(vv_job *job)
 {
     if (job)

@@ -12,6 +12,7 @@ typedef struct loop {
     const vvi_work *work;
     void *shared;
     vv_job *job;
+    bool yields; /* to urgent loops, between two items */
     size_t n_items;
     atomic_size_t next;    /* the first item that nobody has taken */
     atomic_bool stop;      /* something failed: take no more */
@@ -53,7 +54,7 @@ enum { WAITS = 3 };         /* times what an item took, for the thread that cann
 static bool steps_aside(const loop *l, int worker, double since_s)
 {
     vv_runtime *runtime = vv_job_runtime(l->job);
-    if (!l->work->yields || !runtime || l->job->urgent || !vvi_pool_is_pressed(&runtime->pool))
+    if (!l->yields || !runtime || l->job->urgent || !vvi_pool_is_pressed(&runtime->pool))
         return false;
     if (worker > 0)
         return true;
@@ -64,11 +65,11 @@ static bool steps_aside(const loop *l, int worker, double since_s)
 
 static void do_items(loop *l, void *scratch, int worker, bool tells)
 {
-    double since_s = l->work->yields ? vvi_os_seconds() : 0;
+    double since_s = l->yields ? vvi_os_seconds() : 0;
     while (!has_ended(l)) {
-        if (l->work->yields && steps_aside(l, worker, since_s))
+        if (l->yields && steps_aside(l, worker, since_s))
             return;
-        since_s = l->work->yields ? vvi_os_seconds() : 0;
+        since_s = l->yields ? vvi_os_seconds() : 0;
         const size_t item = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
         if (item >= l->n_items)
             return;
@@ -153,6 +154,7 @@ vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size
               .work = work,
               .shared = shared,
               .job = job,
+              .yields = work->yields || (job && job->modest),
               .n_items = n_items,
               .done = work->n_before};
     if (n_items == 0)

@@ -84,7 +84,7 @@ struct vv_job {
     void *user;
     atomic_bool cancelled; /**< lock-free, so that a signal handler may set it */
     atomic_bool damaged;
-    bool urgent;
+    bool urgent, modest;
     bool keeps_fills;         /**< vvi_job_keep_fills() */
     bool keeps_existing;      /**< vvi_job_keep_existing() */
     _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */

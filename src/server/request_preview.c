@@ -1,4 +1,5 @@
 /* What an operation would make of the part of its input that is seen: the newest wish of a page counts. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "server/preview.h"
 #include "server/request.h"
@@ -84,6 +85,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     char id[VVI_REQUEST_ID];
     vvi_request_free_id(id, r->world, "preview");
     bool tells_before = false;
+    vvi_job_set_modest(job); /* a guess, which no hand that turns a view waits for */
     vv_status st = vvi_request_make_world(&world, r, id);
     if (st == VV_OK)
         st = show_input(&tells_before, &world, r);

@@ -412,13 +412,15 @@ static void *run_urgent(void *user)
 }
 
 /* Of two threads one is the urgent loop's own: without the helper of the other loop it stays alone. */
-static void helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back(void **state)
+static void helpers_leave(bool modest)
 {
-    static const vvi_work work = {.start = start_slow, .item = do_slow, .yields = true};
+    const vvi_work work = {.start = start_slow, .item = do_slow, .yields = !modest};
     static crowd c;
     pthread_t thread;
     void *trouble;
     c = (crowd){.job = test_job(2, 0)};
+    if (modest)
+        vvi_job_set_modest(c.job);
     assert_int_equal(pthread_create(&thread, NULL, run_urgent, &c), 0);
     assert_int_equal(vvi_parallel_for(c.job, &work, &c, N), VV_OK);
     pthread_join(thread, &trouble);
@@ -430,6 +432,16 @@ static void helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back(voi
     if (c.n_after > 100) /* it had time to come back */
         assert_true(c.starts > 2);
     vv_job_release(c.job);
+}
+
+static void helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back(void **state)
+{
+    helpers_leave(false);
+}
+
+static void helpers_leave_all_loops_of_a_modest_job_for_an_urgent_one(void **state)
+{
+    helpers_leave(true);
 }
 
 /* Too little memory ---------------------------------------------------------------------------------------------- */
@@ -526,6 +538,7 @@ int main(void)
         cmocka_unit_test(a_loop_of_one_item_leaves_the_threads_to_the_loop_inside),
         cmocka_unit_test(several_jobs_share_one_runtime),
         cmocka_unit_test(helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back),
+        cmocka_unit_test(helpers_leave_all_loops_of_a_modest_job_for_an_urgent_one),
         cmocka_unit_test(every_allocation_of_a_runtime_and_its_loops_can_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
