@@ -9,6 +9,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 
+import asks  # noqa: E402
 import frames  # noqa: E402
 import heads  # noqa: E402
 from attack import Failed, make  # noqa: E402
@@ -35,13 +36,14 @@ def run_family(server, family, attacks):
 
 
 def families():
-    for module in (heads, frames):
+    for module in (heads, frames, asks):
         for family in module.FAMILIES:
             yield f"{module.__name__}.{family.__name__}", family
 
 
 def attack_all(wanted):
     write_ball("ball.nrrd", 16)
+    asks.prepare()
     n = failed = 0
     with Server("ball.nrrd", "--root", ".", "--upload", "1MB", verb="serve") as server:
         server.own_cookie = server.cookie()
