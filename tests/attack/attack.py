@@ -126,50 +126,64 @@ def attack_by_frames(server, attack):
     expect(code in attack.expects, f"it ends by {code} (0: not at all), not by one of {attack.expects}")
 
 
-def check_said(data, messages, open_):
-    """A text of the server; open_ are the ids of messages that have no answer yet."""
-    try:
-        said = json.loads(data)
-    except ValueError:
-        raise Failed(f"no JSON: {data[:300]}") from None
-    expect(b"/proc/self/fd" not in data, f"a place of the program's own: {data[:300]}")
-    if said["type"] != "answer":
-        return
-    expect(said["id"] in open_, f"answered twice, or not asked: {data[:300]}")
-    open_.remove(said["id"])
-    done = messages[said["id"] - 1][2]
-    expect(done in (None, said["ok"]), f"{'done' if said['ok'] else 'refused'}: {data[:300]}")
-    if not said["ok"]:
-        expect(said["error"] and "\n" not in said["error"] and len(said["error"]) < 2000, f"no sentence: {data[:300]}")
+class Asker:
+    """A page that goes on from one attack to the next: an address may say hello only so often."""
+
+    def __init__(self, server):
+        self.sock, got = upgrade(server, server.own_cookie)
+        expect(b" 101 " in got, f"no WebSocket: {got[:200]}")
+        self.box, self.ids, self.open = b"", 0, {}
+        send(self.sock, frame(json.dumps({"type": "hello", "width": 16, "height": 16}).encode()))
+
+    def say(self, kind, more, done):
+        self.ids += 1
+        self.open[self.ids] = done
+        send(self.sock, frame(json.dumps({"type": kind, "id": self.ids, **more}).encode()))
+
+    def check(self, data):
+        """A text of the server."""
+        try:
+            said = json.loads(data)
+        except ValueError:
+            raise Failed(f"no JSON: {data[:300]}") from None
+        expect(b"/proc/self/fd" not in data, f"a place of the program's own: {data[:300]}")
+        if said["type"] != "answer":
+            return
+        expect(said["id"] in self.open, f"answered twice, or not asked: {data[:300]}")
+        done = self.open.pop(said["id"])
+        expect(done in (None, said["ok"]), f"{'done' if said['ok'] else 'refused'}: {data[:300]}")
+        expect(said["ok"] or (said["error"] and "\n" not in said["error"] and len(said["error"]) < 2000), f"no sentence: {data[:300]}")
+
+    def until_answered(self):
+        end = time.monotonic() + PATIENCE
+        while self.open:
+            self.sock.settimeout(max(end - time.monotonic(), 0.001))
+            try:
+                piece = self.sock.recv(65536)
+            except socket.timeout:
+                raise Failed(f"no answer in {PATIENCE} s") from None
+            expect(piece, "ended without a farewell")
+            self.box += piece
+            while (found := parse(self.box)) is not None:
+                kind, data, self.box = found
+                expect(kind != 8, f"ended: {data[:200]}")
+                if kind == 1:
+                    self.check(data)
+                if kind == 2:
+                    send(self.sock, frame(json.dumps({"type": "ack", "frame": int.from_bytes(data[8:12], "little")}).encode()))
 
 
 def attack_by_asking(server, attack):
-    sock, got = upgrade(server, server.own_cookie)
-    with sock:
-        expect(b" 101 " in got, f"no WebSocket: {got[:200]}")
-        texts = [frame(json.dumps({"type": kind, "id": i + 1, **more}).encode()) for i, (kind, more, _) in enumerate(attack.messages)]
-        send(sock, frame(json.dumps({"type": "hello", "width": 16, "height": 16}).encode()))
-        if attack.together:
-            send(sock, b"".join(texts))
-        open_, sent, box, end = set(range(1, len(texts) + 1)), len(texts) if attack.together else 0, b"", time.monotonic() + PATIENCE
-        while open_ and not attack.leaves:
-            if not attack.together and sent < min(open_):
-                send(sock, texts[sent])
-                sent += 1
-            sock.settimeout(max(end - time.monotonic(), 0.001))
-            try:
-                piece = sock.recv(65536)
-            except socket.timeout:
-                raise Failed(f"no answer to {attack.messages[min(open_) - 1][:2]} in {PATIENCE} s") from None
-            box += piece
-            while (found := parse(box)) is not None:
-                kind, data, box = found
-                expect(kind != 8, f"ended: {data[:200]}")
-                if kind == 1:
-                    check_said(data, attack.messages, open_)
-                if kind == 2:
-                    send(sock, frame(json.dumps({"type": "ack", "frame": int.from_bytes(data[8:12], "little")}).encode()))
-            expect(piece, "ended without a farewell")
+    asker, server.asker = server.asker or Asker(server), None
+    for kind, more, done in attack.messages:
+        asker.say(kind, more, done)
+        if not attack.together:
+            asker.until_answered()
+    if attack.leaves:
+        return asker.sock.close()
+    asker.until_answered()
+    server.asker = asker
+    return None
 
 
 def serves(server):
