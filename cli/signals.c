@@ -33,6 +33,7 @@ void cli_signals_watch(vv_job *job)
         sigaction(SIGHUP, &action, NULL);
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
+    sigaction(SIGXFSZ, &action, NULL); /* past 'ulimit -f' writing fails, with a sentence, as on a full disk */
 }
 
 void cli_signals_soften(void)

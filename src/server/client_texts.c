@@ -112,6 +112,19 @@ void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason)
     vvi_client_say_result(client, &r);
 }
 
+void vvi_client_answer_result(vvi_client *client, int64_t id, vvi_result *value, vv_status st, const char *reason)
+{
+    const size_t n = value->text.n;
+    char *text = vvi_text_take(&value->text);
+    if (st == VV_OK && !text)
+        st = vv_fail_memory(n);
+    if (st == VV_OK)
+        vvi_client_answer(client, id, *text ? text : NULL);
+    else
+        vvi_client_refuse_for(client, id, reason);
+    free(text);
+}
+
 void vvi_client_refuse(vvi_client *client, int64_t id)
 {
     vvi_client_refuse_for(client, id, NULL);

@@ -235,14 +235,7 @@ static vv_status browse(vvi_client *client, int64_t id, const json_t *message, i
     (void)now;
     if (!path)
         return vvi_message_fail("browse", "a path");
-    if (vvi_files_browse(&r, client->session, path) == VV_OK) {
-        char *value = vvi_text_take(&r.text);
-        vvi_client_answer(client, id, value);
-        free(value);
-    } else {
-        vvi_text_free(&r.text);
-        vvi_client_refuse(client, id);
-    }
+    vvi_client_answer_result(client, id, &r, vvi_files_browse(&r, client->session, path), NULL);
     return VV_OK;
 }
 

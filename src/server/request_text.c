@@ -11,7 +11,8 @@ void vvi_request_tell_text(vvi_request *r, vvi_text *text)
 {
     char *s = vvi_text_take(text);
     vvi_result_open(&r->value, NULL, '{');
-    vvi_result_string(&r->value, "text", s ? s : "");
+    vvi_result_string(&r->value, "text", s);
+    r->value.text.bad |= !s;
     vvi_result_close(&r->value, '}');
     free(s);
 }

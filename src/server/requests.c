@@ -33,14 +33,11 @@ static void drop(vvi_task *task)
 void vvi_request_answer(vvi_request *r, vv_status st)
 {
     vvi_client *client = vvi_session_find(r->session, r->serial);
-    char *value = vvi_text_take(&r->value.text);
-    if (client)
+    if (client) {
         vvi_client_warn(client, r->task.warnings);
-    if (client && st == VV_OK)
-        vvi_client_answer(client, r->id, value && *value ? value : NULL);
-    else if (client)
-        vvi_client_refuse_for(client, r->id, r->exists ? "exists" : NULL);
-    free(value);
+        vvi_client_answer_result(client, r->id, &r->value, st, r->exists ? "exists" : NULL);
+    }
+    vvi_text_free(&r->value.text);
 }
 
 /* Everybody sees that a job has ended. */

@@ -236,6 +236,9 @@ void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
 void vvi_client_refuse(vvi_client *client, int64_t id);
 /** The same with a `reason`, a word by which the page knows what to offer. */
 void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason);
+/** What was put into `value`, which is taken; null where that is nothing. Refused where st says so (reason may be
+ * NULL), or where there was no memory for it. */
+void vvi_client_answer_result(vvi_client *client, int64_t id, vvi_result *value, vv_status st, const char *reason);
 /** When it is told the World, nanoseconds; INT64_MAX: it knows it. */
 int64_t vvi_client_world_due(const vvi_client *client);
 

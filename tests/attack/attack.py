@@ -31,6 +31,16 @@ class Frames:
     expects: tuple
 
 
+@dataclass
+class Asks:
+    """Messages (type, members, done) of a page, one after the other is answered or all together. done: whether it is done (True), refused
+    with a sentence (False), or either (None). leaves: without a farewell, and without reading."""
+    name: str
+    messages: list
+    together: bool = False
+    leaves: bool = False
+
+
 class Failed(Exception):
     pass
 
@@ -116,6 +126,66 @@ def attack_by_frames(server, attack):
     expect(code in attack.expects, f"it ends by {code} (0: not at all), not by one of {attack.expects}")
 
 
+class Asker:
+    """A page that goes on from one attack to the next: an address may say hello only so often."""
+
+    def __init__(self, server):
+        self.sock, got = upgrade(server, server.own_cookie)
+        expect(b" 101 " in got, f"no WebSocket: {got[:200]}")
+        self.box, self.ids, self.open = b"", 0, {}
+        send(self.sock, frame(json.dumps({"type": "hello", "width": 16, "height": 16}).encode()))
+
+    def say(self, kind, more, done):
+        self.ids += 1
+        self.open[self.ids] = done
+        send(self.sock, frame(json.dumps({"type": kind, "id": self.ids, **more}).encode()))
+
+    def check(self, data):
+        """A text of the server."""
+        try:
+            said = json.loads(data)
+        except ValueError:
+            raise Failed(f"no JSON: {data[:300]}") from None
+        expect(b"/proc/self/fd" not in data, f"a place of the program's own: {data[:300]}")
+        if said["type"] != "answer":
+            return
+        expect(said["id"] in self.open, f"answered twice, or not asked: {data[:300]}")
+        done = self.open.pop(said["id"])
+        expect(done in (None, said["ok"]), f"{'done' if said['ok'] else 'refused'}: {data[:300]}")
+        expect(said["ok"] or (said["error"] and "\n" not in said["error"] and len(said["error"]) < 2000), f"no sentence: {data[:300]}")
+
+    def until_answered(self):
+        end = time.monotonic() + PATIENCE
+        while self.open:
+            self.sock.settimeout(max(end - time.monotonic(), 0.001))
+            try:
+                piece = self.sock.recv(65536)
+            except socket.timeout:
+                raise Failed(f"no answer in {PATIENCE} s") from None
+            expect(piece, "ended without a farewell")
+            self.box += piece
+            while (found := parse(self.box)) is not None:
+                kind, data, self.box = found
+                expect(kind != 8, f"ended: {data[:200]}")
+                if kind == 1:
+                    self.check(data)
+                if kind == 2:
+                    send(self.sock, frame(json.dumps({"type": "ack", "frame": int.from_bytes(data[8:12], "little")}).encode()))
+
+
+def attack_by_asking(server, attack):
+    asker, server.asker = server.asker or Asker(server), None
+    for kind, more, done in attack.messages:
+        asker.say(kind, more, done)
+        if not attack.together:
+            asker.until_answered()
+    if attack.leaves:
+        return asker.sock.close()
+    asker.until_answered()
+    server.asker = asker
+    return None
+
+
 def serves(server):
     """Somebody else's page comes, and at once."""
     began = time.monotonic()
@@ -128,7 +198,7 @@ def serves(server):
 
 
 def make(server, attack):
-    (attack_by_bytes if isinstance(attack, Attack) else attack_by_frames)(server, attack)
+    {Attack: attack_by_bytes, Frames: attack_by_frames, Asks: attack_by_asking}[type(attack)](server, attack)
     expect(server.process.poll() is None, "the server has ended")
     serves(server)
 

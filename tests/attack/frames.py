@@ -117,6 +117,7 @@ def questions(server):
                        ("run", {"operation": "no", "dataset": "ball", "parameters": {}}), ("pick", {"x": 2, "y": -1}), ("histogram", {"volume": "no"}),
                        ("transfer", {"volume": 7}), ("info", {"dataset": "no"}), ("sample", {"name": "../x"}),
                        ("picture", {"width": 1 << 40, "height": 1, "name": "../x"}), ("undo", {}), ("redo", {}),
+                       *(("world", {"since": value}) for value in (None, -1, 1.5, 1 << 62, "1", [], {})),
                        ("edit", {"edits": [{"op": "set", "path": "datasets.ball.path", "value": "/etc/shadow"}]})):
         yield Frames(f"{kind} {short(json.dumps(more))}", text(json.dumps({"type": kind, "id": 1, **more})), (0, 1008))
 

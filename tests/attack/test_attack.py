@@ -9,6 +9,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 
+import asks  # noqa: E402
 import frames  # noqa: E402
 import heads  # noqa: E402
 from attack import Failed, make  # noqa: E402
@@ -34,30 +35,46 @@ def run_family(server, family, attacks):
     return n, len(failures)
 
 
-def families():
-    for module in (heads, frames):
+def attack_by(modules, server, wanted):
+    """How many attacks there were, and how many failed."""
+    n = failed = 0
+    for module in modules:
         for family in module.FAMILIES:
-            yield f"{module.__name__}.{family.__name__}", family
+            name = f"{module.__name__}.{family.__name__}"
+            if not wanted or name in wanted:
+                more = run_family(server, name, family(server))
+                n, failed = n + more[0], failed + more[1]
+    assert server.process.poll() is None, "the server has ended"
+    return n, failed
+
+
+def ready(server):
+    server.own_cookie, server.asker = server.cookie(), None
+    return server
+
+
+def wait_for(patient):
+    print("[ RUN      ] patience", flush=True)
+    failures = patient.check()
+    print("\n".join(failures), end="\n" if failures else "")
+    print("[  FAILED  ] patience" if failures else f"[       OK ] patience ({len(patient.all)} attacks)", flush=True)
+    return len(patient.all), len(failures)
 
 
 def attack_all(wanted):
     write_ball("ball.nrrd", 16)
-    n = failed = 0
-    with Server("ball.nrrd", "--root", ".", "--upload", "1MB", verb="serve") as server:
-        server.own_cookie = server.cookie()
+    asks.prepare()
+    words = ("ball.nrrd", "--root", ".", "--upload", "1MB")
+    with Server(*words, verb="serve") as server:
+        ready(server)
         patient = Patient(server) if not wanted or "patience" in wanted else None
-        for name, family in families():
-            if wanted and name not in wanted:
-                continue
-            more = run_family(server, name, family(server))
-            n, failed = n + more[0], failed + more[1]
+        counts = [attack_by((heads, frames), server, wanted)]
+        with Server(*words, verb="serve", state="asked") as other:  # whose World changes, while those who wait should see none of it
+            counts.append(attack_by((asks,), ready(other), wanted))
         if patient:
-            print("[ RUN      ] patience", flush=True)
-            failures = patient.check()
-            print("\n".join(failures), end="\n" if failures else "")
-            print("[  FAILED  ] patience" if failures else f"[       OK ] patience ({len(patient.all)} attacks)", flush=True)
-            n, failed = n + len(patient.all), failed + len(failures)
+            counts.append(wait_for(patient))
         assert server.process.poll() is None, "the server has ended"
+    n, failed = (sum(count) for count in zip(*counts))
     print(f"{n} attacks, {failed} of which did what they should not")
     return failed == 0 and n > 0
 

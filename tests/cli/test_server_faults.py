@@ -17,13 +17,11 @@ except ImportError as error:
 
 
 class Limited(Server):
-    """Its files may be made no larger, from some time on: the same as a full disk to whoever writes. The signal that
-    comes with it is ignored, as a full disk has none."""
+    """Its files may be made no larger, from some time on: the same as a full disk to whoever writes."""
 
     def __init__(self, *words, state="state"):
         self.process = subprocess.Popen(
             [VOLVIS, "view", "--no-browser", "--json", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            restore_signals=False, preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
             env=environment(XDG_STATE_HOME=os.path.abspath(state)))
         self.link = json.loads(self.process.stdout.readline())["link"]
         self.base, self.token = self.link.split("/#")
