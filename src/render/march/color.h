@@ -119,14 +119,17 @@ VV_INLINE void color_batch(float *const part[3], const color_queue *q, const mar
     if (f->paint.kind != VVI_PAINT_NONE || f->texture)
         paint_samples(rgb, p, &point, k, lane, m);
     if (f->light.shaded) {
-        vf3 gradient;
-        if (has_gradient(f))
+        vf3 gradient = point; /* which clouds without shading do not need */
+        if (f->light.unlit)
+            ;
+        else if (has_gradient(f))
             gradient = vf3_set(vf_load(q->found[3] + at), vf_load(q->found[4] + at), vf_load(q->found[5] + at));
         else if (f->classifier.kind == VVI_CLASSIFY_LABELS)
             gradient = part_label_gradient(f, point, vf_load(q->found[0] + at), m);
         else
             gradient = part_gradient(f, sampler, point, m);
-        gradient = cap_gradient(gradient, r, f, k, lane, m);
+        if (!f->light.unlit)
+            gradient = cap_gradient(gradient, r, f, k, lane, m);
         shade(f, point, permuted(r->direction, lane), gradient, false, rgb);
     }
     for (int c = 0; c < 3; c++)
