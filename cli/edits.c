@@ -23,7 +23,9 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N",
-     .automatic = "by quality: 1, 4, 4 or 16; for triangles 1, 4, 8 or 16; for slices, and with --aov, 1, 1, 4 or 16",
+     .automatic =
+         "by quality: 1, 2, 4 or 16; where more than clouds are seen 1, 4, 8 or 16; for slices, and with --aov, "
+         "1, 1, 4 or 16",
      .doc = "rays per pixel; with --noise or --budget the maximum"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE",
      .automatic = "not estimated: all pixels get the same",

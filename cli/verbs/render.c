@@ -9,7 +9,6 @@
 #include "render_plan.h"
 #include "rendering.h"
 #include "resuming.h"
-#include "scene/resolve.h"
 #include "signals.h"
 #include "value.h"
 #include "verbs.h"
@@ -126,17 +125,18 @@ static vv_status render(cli_rendering *r)
 /* Larger than memory: it is made while it is written. What needs all of it at once is left to fail as it does. */
 static vv_status choose_parts(cli_rendering *r)
 {
-    vv_scene scene = {.view = cli_rendering_view(r)};
+    vv_scene *scene;
     uint64_t bytes;
     bool at_once;
-    const vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
+    vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
     if (st != VV_OK || at_once || r->is_figure || r->checkpoint || r->options->repeat || r->suffix[0])
         return st;
-    scene.renderer = vv_registry_renderer(r->command->registry, vvi_method_of(r->world, scene.view, r->command->job));
-    vvi_resolve_sampling(&scene);
+    if ((st = vv_scene_resolve(&scene, r->world, r->recipe.view, r->command->job)) != VV_OK)
+        return st;
     r->in_parts = true;
-    r->last.passes = scene.samples; /* that it is to have: the recipe is written first */
+    r->last.passes = scene->samples; /* that it is to have: the recipe is written first */
     r->last.ended_by = VV_END_SAMPLES;
+    vv_scene_release(scene);
     return VV_OK;
 }
 

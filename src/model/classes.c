@@ -462,8 +462,8 @@ static const vv_property render_choice[] = {
     {VV_PROP(vv_render_choice, quality), .kind = VV_KIND_ENUM, .names = qualities, .def = VV_QUALITY_NORMAL,
      .doc = "from fast and rough to slow and accurate: sets the parameters of the method that are unset"},
     {VV_PROP(vv_render_choice, samples), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 65536, .def = 1,
-     .automatic = "by quality: 1, 4, 4 or 16; for triangles 1, 4, 8 or 16; for slices and where layers are asked for "
-                  "1, 1, 4 or 16; 1 where adaptive is set; 1024 where noise or budget is set",
+     .automatic = "by quality: 1, 2, 4 or 16; where more than clouds are seen 1, 4, 8 or 16; for slices and where "
+                  "layers are asked for 1, 1, 4 or 16; 1 where adaptive is set; 1024 where noise or budget is set",
      .doc = "rays per pixel, at most"},
     {VV_PROP(vv_render_choice, noise), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
      .automatic = "not estimated: all pixels get the same number of rays",

@@ -48,10 +48,17 @@ static size_t list_image(part *out, const vv_image *image)
     return n;
 }
 
+/* Whether it needs the rays of a pass: of that on its way, or of the second one, which may yet weigh more. */
+static bool has_rays(vvi_stage stage, int64_t passes)
+{
+    return stage == VVI_STAGE_RAYS || stage == VVI_STAGE_ADD || stage == VVI_STAGE_WEIGH ||
+           (stage == VVI_STAGE_JUDGE && passes == 2);
+}
+
 /* Whether it is between two passes, or in one that is not the first. */
 static bool has_passes(vvi_stage stage, int64_t passes)
 {
-    return stage == VVI_STAGE_RAYS || stage == VVI_STAGE_ADD || (stage == VVI_STAGE_JUDGE && passes > 1);
+    return has_rays(stage, passes) || (stage == VVI_STAGE_JUDGE && passes > 1);
 }
 
 static size_t list_parts(part *out, const vvi_gathered *got)
@@ -62,7 +69,7 @@ static size_t list_parts(part *out, const vvi_gathered *got)
         n += list_image(out + n, got->canvas);
     else if (got->stage != VVI_STAGE_DRAW)
         n += list_image(out + n, got->image);
-    if (got->stage == VVI_STAGE_RAYS || got->stage == VVI_STAGE_ADD)
+    if (has_rays(got->stage, got->passes))
         n += list_image(out + n, got->shifted);
     if (has_passes(got->stage, got->passes)) {
         out[n++] = (part){got->active, n_blocks};
@@ -182,11 +189,12 @@ static bool is_possible(const header *h, const vv_scene *scene)
         return false;
     if (!(h->spent_s >= 0) || !isfinite(h->spent_s) || !(h->pass_began_s >= 0) || !(h->pass_began_s <= h->spent_s))
         return false;
-    if (ended ? h->ended_by < VV_END_SAMPLES || h->ended_by > VV_END_BUDGET : h->ended_by != VV_END_NONE)
+    const bool enough = ended || h->stage == VVI_STAGE_WEIGH;
+    if (enough ? h->ended_by < VV_END_SAMPLES || h->ended_by > VV_END_BUDGET : h->ended_by != VV_END_NONE)
         return false;
     if (h->stage >= VVI_STAGE_RAYS ? h->passes < 1 || h->passes > most : h->passes != 0)
         return false;
-    if (h->grid < 0 || h->grid > VVI_GRIDS)
+    if (h->grid < 0 || h->grid > VVI_GRIDS || (h->stage == VVI_STAGE_WEIGH && h->passes != 2))
         return false;
     return h->stage != VVI_STAGE_SQUARES || (scene->adaptive && h->grid == 1);
 }
@@ -244,7 +252,7 @@ static uint64_t bytes_expected(const header *h, const vv_scene *scene)
         bytes += canvas * pixel;
     else if (h->stage != VVI_STAGE_DRAW)
         bytes += w * ht * pixel;
-    if (h->stage == VVI_STAGE_RAYS || h->stage == VVI_STAGE_ADD)
+    if (has_rays((vvi_stage)h->stage, h->passes))
         bytes += (w + 1) * (ht + 1) * 4 * sizeof(float);
     if (has_passes((vvi_stage)h->stage, h->passes))
         bytes += blocks + (scene->noise > 0 ? w * ht * 4 * sizeof(float) : 0);

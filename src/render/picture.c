@@ -129,7 +129,7 @@ int vv_picture_level(const vv_picture *picture)
 static vv_status is_enough(bool *out, vv_picture *picture, const vv_picture_until *until, int64_t seen)
 {
     const vvi_gathered *got = &picture->got;
-    const bool judged = got->stage != VVI_STAGE_JUDGE;
+    const bool judged = got->stage != VVI_STAGE_JUDGE && got->stage != VVI_STAGE_WEIGH;
     *out = got->stage == VVI_STAGE_END || (picture->deadline_s > 0 && vvi_render_clock() > picture->deadline_s) ||
            (until->better && judged && got->passes + vv_picture_level(picture) > seen) ||
            (until->passes > 0 && judged && got->passes >= until->passes);
@@ -227,8 +227,9 @@ static void foresee(vv_picture *picture)
     const uint64_t tiles = across * (((uint64_t)scene->rows + VVI_TILE - 1) / VVI_TILE);
     const uint64_t passes = (uint64_t)picture->got.passes, all = (uint64_t)scene->samples;
     uint64_t begun = 0;
+    const bool quiet = picture->got.stage == VVI_STAGE_ADD || picture->got.stage == VVI_STAGE_WEIGH;
     for (size_t i = 0; i < picture->got.n_tiles; i++)
-        begun += picture->got.stage != VVI_STAGE_ADD && picture->got.done[i];
+        begun += !quiet && picture->got.done[i];
     picture->n_done = tiles * passes + begun;
     picture->n_ahead = tiles * all > picture->n_done ? tiles * all - picture->n_done : 0;
     picture->n_done += across * (uint64_t)(scene->top / VVI_TILE) * all; /* of other parts of it */

@@ -22,6 +22,7 @@ typedef enum vvi_stage {
     VVI_STAGE_RAYS,    /**< of a further pass */
     VVI_STAGE_ADD,     /**< them to the mean */
     VVI_STAGE_JUDGE,   /**< whether that is enough */
+    VVI_STAGE_WEIGH,   /**< the second of two passes more than the first */
     VVI_STAGE_END
 } vvi_stage;
 
@@ -148,6 +149,8 @@ void vvi_sample_shift(double *x_out, double *y_out, int64_t pass);
 /** Goes on with the rays of pass got.passes; and with their addition to the mean. */
 vv_status vvi_pass_cast(bool *whole_out, vv_picture *picture);
 vv_status vvi_pass_add(bool *whole_out, vv_picture *picture);
+/** Goes on with the last pass's weight, where two passes are all. */
+vv_status vvi_pass_weigh(bool *whole_out, vv_picture *picture);
 /** Blocks that get more rays. */
 int64_t vvi_blocks_active(const vvi_gathered *got);
 /** Blocks that are known well enough get no more rays; those that were are for good. */

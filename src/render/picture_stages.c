@@ -197,14 +197,23 @@ static vv_status do_judge(vv_picture *picture)
                     : is_time_over(picture)                           ? VV_END_BUDGET
                                                                       : VV_END_NONE;
     got->pass_began_s = vvi_picture_spent(picture);
-    got->stage = got->ended_by == VV_END_NONE ? VVI_STAGE_RAYS : VVI_STAGE_END;
+    got->stage = got->ended_by == VV_END_NONE ? VVI_STAGE_RAYS : got->passes == 2 ? VVI_STAGE_WEIGH : VVI_STAGE_END;
     return VV_OK;
+}
+
+static vv_status do_weigh(vv_picture *picture)
+{
+    bool whole;
+    const vv_status st = vvi_pass_weigh(&whole, picture);
+    if (st == VV_OK && whole)
+        picture->got.stage = VVI_STAGE_END;
+    return st;
 }
 
 static vv_status (*const stages[])(vv_picture *picture) = {
     [VVI_STAGE_GRID] = do_grid,   [VVI_STAGE_SQUARES] = do_squares, [VVI_STAGE_FIRST] = do_first,
     [VVI_STAGE_DRAW] = do_draw,   [VVI_STAGE_RAYS] = do_rays,       [VVI_STAGE_ADD] = do_add,
-    [VVI_STAGE_JUDGE] = do_judge,
+    [VVI_STAGE_JUDGE] = do_judge, [VVI_STAGE_WEIGH] = do_weigh,
 };
 
 vv_status vvi_picture_do_stage(vv_picture *picture)

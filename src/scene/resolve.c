@@ -68,21 +68,32 @@ static unsigned resolve_layers(const vv_render_choice *choice)
            (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
 }
 
-/* Triangles have sharp edges, and more rays cost them little; what layers and slices say of a pixel is true of its
+/* Whether light through clouds is all there is to see: nothing has a sharp edge. */
+static bool shows_clouds(const vv_scene *scene)
+{
+    const vv_renderer *renderer = scene->renderer;
+    bool clouds = renderer->heeds && scene->params && renderer->heeds(scene->params, VV_ASPECT_OPACITY);
+    for (size_t i = 0; i < scene->n_actors; i++)
+        clouds = clouds && scene->actors[i].classes.kind == VV_SEGMENT_TRANSFER;
+    return clouds && !renderer->draw && !scene->n_mesh_actors;
+}
+
+/* Surfaces have sharp edges, and more rays cost them little; what layers and slices say of a pixel is true of its
  * middle alone. */
 void vvi_resolve_sampling(vv_scene *scene)
 {
     const vv_render_choice *choice = (const vv_render_choice *)scene->view->render;
     static const int64_t clouds[] = {
-        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
-    static const int64_t triangles[] = {
+        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 2, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
+    static const int64_t surfaces[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 8, [VV_QUALITY_REFERENCE] = 16};
     static const int64_t exact[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 1, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
-    scene->layers = resolve_layers(choice);
-    const int64_t *by_quality = scene->layers != VV_LAYER_DEPTH || scene->renderer->plane ? exact
-                                : scene->renderer->draw                                   ? triangles
-                                                                                          : clouds;
+    const unsigned layers = resolve_layers(choice);
+    scene->layers |= layers;
+    const int64_t *by_quality = layers != VV_LAYER_DEPTH || scene->renderer->plane ? exact
+                                : shows_clouds(scene)                              ? clouds
+                                                                                   : surfaces;
     const bool open = choice->noise > 0 || choice->budget > 0;
     const bool said = vv_object_is_set(&choice->base, "adaptive");
     scene->samples = vv_object_is_set(&choice->base, "samples") ? choice->samples
@@ -92,7 +103,7 @@ void vvi_resolve_sampling(vv_scene *scene)
     scene->noise = choice->noise;
     scene->budget_s = choice->budget;
     const bool wanted = said ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
+    scene->adaptive = wanted && scene->samples == 1 && layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
 /* Whether what is shown is the surface of an amount. */
@@ -294,9 +305,11 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
         goto fail;
     r->scene.width = (int32_t)r->scene.view->width;
     r->scene.height = r->scene.rows = (int32_t)r->scene.view->height;
+    r->scene.layers = resolve_layers((const vv_render_choice *)r->scene.view->render);
+    if ((st = resolve_actors(r, job)) != VV_OK)
+        goto fail;
     vvi_resolve_sampling(&r->scene);
-    if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
-        (st = resolve_light(r, job)) != VV_OK)
+    if ((st = resolve_camera(r, job)) != VV_OK || (st = resolve_light(r, job)) != VV_OK)
         goto fail;
     *out = &r->scene;
     return VV_OK;

@@ -50,7 +50,8 @@ vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_
 vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job);
 void vvi_shape_finish(vv_mesh_actor *shape);
 
-/** Of a scene that has its view and renderer: its layers, how many rays per pixel gets, and when that is enough. */
+/** Of a scene that has its view, renderer and actors: its layers, how many rays per pixel gets, and when that is
+ * enough. */
 void vvi_resolve_sampling(vv_scene *scene);
 
 /** The method of a view: what was chosen, else what can show the World's visible volumes. */

@@ -36,7 +36,7 @@ static const vv_property properties[] = {
      .doc = "gradient used for shading: central differences over two voxels, interpolated; or the derivative inside a "
             "cell, faster, with facets; cubic interpolation has its own"},
     {VV_PROP(vvi_raycast_params, jitter), .kind = VV_KIND_BOOL, .def = 0,
-     .automatic = "on from four rays per pixel, except at quality reference",
+     .automatic = "on from two rays per pixel, except at quality reference",
      .doc = "vary the position of samples from ray to ray: fine grain instead of rings, which several passes average "
             "out; for light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,

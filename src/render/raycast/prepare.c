@@ -145,7 +145,7 @@ static bool jitters(const vv_scene *scene)
     const vvi_raycast_params *p = params_of(scene);
     if (vv_object_is_set(&p->base, "jitter"))
         return p->jitter;
-    return scene->samples >= 4 && scene->quality < VV_QUALITY_REFERENCE;
+    return scene->samples > 1 && scene->quality < VV_QUALITY_REFERENCE;
 }
 
 static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
