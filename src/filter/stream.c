@@ -36,8 +36,12 @@ static vv_status make_at_once(vv_field **out, const stream *s, const vv_box *box
 {
     const vv_field *const *inputs = (const vv_field *const *)s->inputs;
     *out = NULL;
-    const vv_status st = s->found ? s->operation->passes->make(out, s->found, inputs, s->n_inputs, s->params, box, job)
-                                  : s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
+    const vv_passes *passes = s->operation->passes;
+    vv_status st = VV_E_INTERNAL; /* make() asks for one of the two */
+    if (s->found && passes)
+        st = passes->make(out, s->found, inputs, s->n_inputs, s->params, box, job);
+    else if (s->operation->run_box)
+        st = s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
     return vvi_operation_check(out, inputs, s->n_inputs, st);
 }
 
