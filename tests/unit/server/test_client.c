@@ -337,6 +337,28 @@ static void a_question_without_memory_is_refused_or_answered(void **state)
     }
 }
 
+static void what_there_was_no_memory_to_tell_is_not_null(void **state)
+{
+    static const char asked[] = "{\"type\": \"browse\", \"id\": 7, \"path\": \"\"}";
+    talk *t = *state;
+    bool failed = true;
+    for (int64_t n = 1; failed; n++) {
+        vvi_alloc_fail_once(n);
+        vvi_client_message(t->client, asked, strlen(asked), vvi_now());
+        failed = vvi_alloc_has_failed();
+        vvi_alloc_fail_after(0);
+        say(t, "{\"type\": \"cancel\", \"id\": 8, \"job\": -1}");
+        for (bool found = false; !found;) {
+            char *text = next(t);
+            assert_null(strstr(text, "\"id\": 7,\"ok\": true,\"value\": null"));
+            found = strstr(text, "\"id\": 8") != NULL;
+            if (!*text)
+                acknowledge(t);
+            free(text);
+        }
+    }
+}
+
 static char *long_text(size_t n)
 {
     char *text = vvi_calloc(n + 1, 1);
@@ -395,6 +417,7 @@ int main(void)
         cmocka_unit_test(long_paths_are_all_of_it),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
         cmocka_unit_test(a_question_without_memory_is_refused_or_answered),
+        cmocka_unit_test(what_there_was_no_memory_to_tell_is_not_null),
         cmocka_unit_test(news_that_wait_hinder_no_page_to_be_heard),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
