@@ -120,6 +120,11 @@ static const char *mode_name(const vv_registry *registry, size_t index)
     return enum_name(registry, "views.VIEW.render.raycast.mode", index);
 }
 
+static const char *lighting_name(const vv_registry *registry, size_t index)
+{
+    return enum_name(registry, "views.VIEW.render.raycast.lighting", index);
+}
+
 static const char *plane_name(const vv_registry *registry, size_t index)
 {
     return enum_name(registry, "views.VIEW.render.slice.orientation", index);
@@ -186,6 +191,7 @@ const char *cli_choice_nth(const vv_registry *registry, const char *table, size_
         {"modes", mode_name},           {"qualities", quality_name},
         {"layers", layer_name},         {"decorations", decoration_name},
         {"planes", plane_name},         {"colormaps", colormap_name},
+        {"lightings", lighting_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)

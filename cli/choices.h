@@ -6,8 +6,8 @@
 #include "args.h"
 
 /** Name by number of what a table holds: "verbs", "formats", "renderers", "operations", "presets", "encodings",
- * "types", "modes", "qualities", "directions", "planes", "layers", "colormaps"; NULL past the end, and for tables that
- * are no such list. */
+ * "types", "modes", "qualities", "directions", "planes", "layers", "colormaps", "lightings"; NULL past the end, and for
+ * tables that are no such list. */
 const char *cli_choice_nth(const vv_registry *registry, const char *table, size_t index);
 /** What an option may be given, by number: names of an enum, or of the table it is chosen from; else NULL. */
 const char *cli_choice_of_row(const vv_registry *registry, const vv_property *row, size_t index);

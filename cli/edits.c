@@ -87,6 +87,11 @@ static const vv_property rows[] = {
      .automatic = "what the file says, else the 1st and 99.9th percentiles",
      .doc = "values shown as black and white in slices"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "show colours unlit"},
+    {VV_PROP(cli_look, lighting), .kind = VV_KIND_STRING, .unit = "LIGHTING", .table = "lightings",
+     .automatic = "local", .doc = "local, or cinematic: shadows, ambient occlusion and more ambient light"},
+    {VV_PROP(cli_look, shadows), .kind = VV_KIND_BOOL, .doc = "let clouds and surfaces cast soft shadows"},
+    {VV_PROP(cli_look, ambient_occlusion), .kind = VV_KIND_BOOL,
+     .doc = "less ambient light in hollows and between what is close together"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "from the view, far enough to see everything", .doc = "the position of the camera, in world space"},
     {VV_PROP(cli_look, at), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "the middle of what is shown",
@@ -212,6 +217,9 @@ static const one ones[] = {
     {"budget", "views.%1$s.render.budget", FORM_LIMIT, .example = "10s"},
     {"iso", "views.%1$s.render.%2$s.iso"},
     {"step", "views.%1$s.render.%2$s.step"},
+    {"lighting", "views.%1$s.render.%2$s.lighting"},
+    {"shadows", "views.%1$s.render.%2$s.shadows"},
+    {"ambient_occlusion", "views.%1$s.render.%2$s.ambient_occlusion"},
     {"slice", "views.%1$s.render.%2$s.orientation"}, /* --slice has chosen the method */
     {"title", "views.%1$s.decorations.title", FORM_TEXT},
     {"caption", "views.%1$s.decorations.caption", FORM_TEXT},
@@ -254,13 +262,22 @@ static vv_status edit_one(cli_edits *edits, const one *o, const char *typed, con
     return st == VV_OK && o->form == FORM_LIMIT ? check_limit(edits, o, typed, path) : st;
 }
 
+/* What was typed for an option; of a switch what the property becomes. */
+static const char *typed_for(const cli_look *look, const char *option)
+{
+    const vv_property *row = vv_class_find(&cli_look_class, option);
+    if (row->kind != VV_KIND_BOOL)
+        return cli_look_text(look, option);
+    return *(const bool *)(const void *)((const char *)look + row->offset) ? "true" : NULL;
+}
+
 static vv_status edit_ones(cli_edits *edits)
 {
     char method[64];
     vv_status st = VV_OK;
     cli_edit_method_of(method, edits);
     for (size_t i = 0; i < sizeof ones / sizeof *ones && st == VV_OK; i++) {
-        const char *typed = cli_look_text(edits->look, ones[i].option);
+        const char *typed = typed_for(edits->look, ones[i].option);
         if (typed)
             st = edit_one(edits, &ones[i], typed, method);
     }

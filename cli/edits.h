@@ -17,7 +17,8 @@ typedef struct cli_look {
     char *slice, *window, *cross_hair;
     char *apply;
     vv_collection *clip; /**< of cli_word */
-    bool no_shading;
+    char *lighting;
+    bool no_shading, shadows, ambient_occlusion;
 } cli_look;
 extern const vv_class cli_look_class;
 

@@ -194,8 +194,9 @@ static vv_status pick(cli_command *command, const vv_pixel *pixels, size_t n)
  */
 static vv_status check_look(const cli_command *command)
 {
-    static const char *const drawn[] = {"aov",   "decorate", "title",  "caption",    "background",
-                                        "color", "noise",    "budget", "no_shading", "spp"};
+    static const char *const drawn[] = {
+        "aov",        "decorate", "title",    "caption", "background",       "color", "noise", "budget",
+        "no_shading", "spp",      "lighting", "shadows", "ambient_occlusion"};
     const cli_look *look = cli_command_options(command, &cli_look_class);
     char option[64];
     for (size_t i = 0; i < sizeof drawn / sizeof drawn[0]; i++) {

@@ -84,6 +84,8 @@ void vvi_light_ref(double rgb[3], const vvi_lit_point *p, const vvi_gloss *g, co
         vv_vec3 l;
         double light[3];
         vvi_lamp_at(&l, light, &lamps[i], p->position);
+        for (int c = 0; c < 3 && p->arrives && i + 1 < p->n_arrive; c++)
+            light[c] *= p->arrives[i + 1];
         const double n_l = vvi_dot(p->normal, l);
         if (!p->two_sided && n_l <= 0)
             continue;
@@ -94,5 +96,6 @@ void vvi_light_ref(double rgb[3], const vvi_lit_point *p, const vvi_gloss *g, co
         }
     }
     for (int c = 0; c < 3; c++)
-        rgb[c] = rgb[c] * ((double)g->ambient[c] + (double)g->diffuse * diffuse[c]) + (double)g->specular * specular[c];
+        rgb[c] = rgb[c] * ((double)g->ambient[c] * (p->arrives ? p->arrives[0] : 1) + (double)g->diffuse * diffuse[c]) +
+                 (double)g->specular * specular[c];
 }

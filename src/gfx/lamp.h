@@ -43,8 +43,10 @@ void vvi_lamp_at(vv_vec3 *to_lamp_out, double light_out[3], const vv_lamp *lamp,
 /** A lit point. */
 typedef struct vvi_lit_point {
     vv_vec3 position, normal, to_eye;
-    bool surface;   /**< else `normal` is not the one of a surface: no highlight */
-    bool two_sided; /**< |n.l| */
+    bool surface;          /**< else `normal` is not the one of a surface: no highlight */
+    bool two_sided;        /**< |n.l| */
+    const double *arrives; /**< shares of A, then of each L_i, that arrive there; NULL, and beyond n_arrive: all */
+    size_t n_arrive;
 } vvi_lit_point;
 
 /** Changes its colour to the light that it sends to the eye; the definition. */

@@ -49,6 +49,8 @@ typedef struct lit_points {
     vf3 position, normal, to_eye;
     vm surface; /**< else `normal` is not the one of a surface: no highlight */
     bool two_sided;
+    const vf *arrives; /**< shares of the ambient light, then of lamps, that arrive; NULL, and beyond n_arrive: all */
+    int n_arrive;
 } lit_points;
 
 /** Changes their colours to the light that they send to the eye. */
@@ -58,12 +60,16 @@ VV_INLINE void light_points(vf rgb[3], const lit_points *p, const vvi_gloss *g, 
     vf diffuse[3], specular[3];
     for (int c = 0; c < 3; c++) {
         diffuse[c] = vf_set1(g->ambient[c]);
+        if (p->arrives)
+            diffuse[c] = diffuse[c] * p->arrives[0];
         specular[c] = zero;
     }
     for (size_t i = 0; i < n_lamps; i++) {
         const vvi_lamp *lamp = &lamps[i];
         vf share;
         const vf3 l = lamp_at(lamp, p->position, &share);
+        if (p->arrives && (int)i + 1 < p->n_arrive)
+            share = share * p->arrives[i + 1];
         const vf n_l = vf3_dot(p->normal, l);
         const vf seen = vf_max(p->two_sided ? vf_abs(n_l) : n_l, zero); /* 0 of NaN too */
         const vm shines = vm_and(vf_lt(zero, seen), p->surface);

@@ -48,19 +48,26 @@ double vvi_shade_flat(const vv_actor *actor)
 }
 
 void vvi_shade_ref(double out[3], const vv_scene *scene, const vv_actor *actor, const double color[3], vv_vec3 position,
-                   vv_vec3 gradient, vv_vec3 to_eye, double flat)
+                   vv_vec3 gradient, vv_vec3 to_eye, double flat, const vvi_light_volume *volume)
 {
     vv_vec3 n = vvi_scaled(gradient, -1);
-    for (int c = 0; c < 3; c++)
-        out[c] = color[c];
-    if (actor->shading_model == VV_SHADING_NONE)
-        return;
+    double arrives[VVI_LIGHT_SHARES];
     const bool surface = vvi_length(gradient) >= flat && vvi_unit(&n);
+    if (volume)
+        vvi_light_volume_at(arrives, volume, position, vvi_scaled(n, !surface ? 0 : vvi_dot(n, to_eye) < 0 ? -1 : 1));
+    const bool unlit = actor->shading_model == VV_SHADING_NONE;
+    const double left = unlit && volume ? vvi_light_scattered(volume, arrives) : 1;
+    for (int c = 0; c < 3; c++)
+        out[c] = color[c] * left;
+    if (unlit)
+        return;
     const vvi_lit_point point = {.position = position,
                                  .normal = surface ? n : to_eye,
                                  .to_eye = to_eye,
                                  .surface = surface,
-                                 .two_sided = actor->two_sided};
+                                 .two_sided = actor->two_sided,
+                                 .arrives = volume ? arrives : NULL,
+                                 .n_arrive = VVI_LIGHT_SHARES};
     const vvi_gloss gloss = vvi_gloss_of(actor->shading_model, actor->ambient, actor->diffuse, actor->specular,
                                          actor->shininess, scene->ambient);
     vvi_light_ref(out, &point, &gloss, scene->lamps, scene->n_lamps);

@@ -54,9 +54,12 @@ VV_INLINE void light_batch(float *const part[3], const light_queue *q, const pac
     vf rgb[3];
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_gather4(f->classifier.color + c, row, m);
-    const cell_at cell = find_gradient_cell(g, nearest, p);
-    vf3 gradient = world_gradient(f, gradient_by(f->sampler.cell_gradient, g, type, &cell, m));
-    gradient = cap_gradient(gradient, r, f, k, lane, m);
+    vf3 gradient = p; /* which clouds without shading do not need */
+    if (!f->light.unlit) {
+        const cell_at cell = find_gradient_cell(g, nearest, p);
+        gradient = world_gradient(f, gradient_by(f->sampler.cell_gradient, g, type, &cell, m));
+        gradient = cap_gradient(gradient, r, f, k, lane, m);
+    }
     shade(f, p, permuted(r->direction, lane), gradient, false, rgb);
     for (int c = 0; c < 3; c++)
         vf_store(part[c] + at, rgb[c] * weight);

@@ -6,6 +6,7 @@
 #define VVI_RENDER_MARCH_VOLUME_H
 #include "gfx/lamp.h"
 #include "grid/lattice.h"
+#include "render/common/light_volume.h"
 #include "render/march/parc.h"
 #include "render/march/skip.h"
 
@@ -80,13 +81,17 @@ typedef struct vvi_paint {
 } vvi_paint;
 
 typedef struct vvi_light {
-    bool shaded, two_sided;
-    bool capped;     /**< what lies on the face of a cut plane is lit as that face */
-    float cap_depth; /**< to this many steps behind it: a voxel, whatever the step, but at least one */
+    bool shaded;           /**< colours are changed by light: by lamps, or by how much of it arrives */
+    bool unlit, two_sided; /**< unlit: only by how much arrives */
+    bool capped;           /**< what lies on the face of a cut plane is lit as that face */
+    float cap_depth;       /**< to this many steps behind it: a voxel, whatever the step, but at least one */
     vvi_gloss gloss;
     float flat_gradient; /**< a gradient shorter than this, in ranges a voxel, has no direction */
     size_t n_lamps;
     vvi_lamp lamps[VVI_RAY_LAMPS];
+    vvi_light_volume volume;
+    float cell_from_index[3][4]; /**< to the light volume's cells */
+    float cell_ahead[3][3];      /**< of a normal in the world: to the place whose light its surface gets */
 } vvi_light;
 
 typedef struct vvi_march_volume {

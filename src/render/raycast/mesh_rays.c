@@ -145,10 +145,21 @@ static void shade(vvi_mesh_sink *out, size_t i, const passage *p, const vvi_mesh
     vvi_gfx_color_at(rgba, surface, &p->meshes->decode, hit->triangle, share);
     const bool known = vvi_gfx_normal_at(&normal, surface->mesh, &surface->place, hit->triangle, share, false);
     normal = !known ? vvi_vec(0, 0, 0) : vvi_dot(normal, to_eye) < 0 ? vvi_scaled(normal, -1) : normal;
-    const vvi_lit_point point = {
-        .position = point_at(p, distance), .normal = known ? normal : to_eye, .to_eye = to_eye, .surface = known};
+    const vvi_light_volume *light = p->meshes->light;
+    double arrives[VVI_LIGHT_SHARES];
+    const vvi_lit_point point = {.position = point_at(p, distance),
+                                 .normal = known ? normal : to_eye,
+                                 .to_eye = to_eye,
+                                 .surface = known,
+                                 .arrives = light ? arrives : NULL,
+                                 .n_arrive = VVI_LIGHT_SHARES};
+    if (light)
+        vvi_light_volume_at(arrives, light, point.position, normal);
     if (p->mesh->actor->look.shading_model != VV_SHADING_NONE)
         vvi_light_ref(rgba, &point, &p->mesh->gloss, scene->lamps, scene->n_lamps);
+    else
+        for (int c = 0; c < 3 && light; c++)
+            rgba[c] *= vvi_light_scattered(light, arrives);
     const double opacity = rgba[3] >= OPAQUE ? 1 : rgba[3];
     for (int c = 0; c < 3; c++)
         out->sink.rgb[c][i] = (float)(opacity * rgba[c]);

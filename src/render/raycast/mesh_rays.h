@@ -6,6 +6,7 @@
 #include "core/cache.h"
 #include "gfx/lamp.h"
 #include "gfx/mesh_look.h"
+#include "render/common/light_volume.h"
 #include "render/march/rays.h"
 
 /** One mesh of a frame. */
@@ -27,6 +28,7 @@ typedef struct vvi_ray_meshes {
     size_t n;
     bool translucent; /**< some of them is */
     vvi_gfx_decode decode;
+    const vvi_light_volume *light; /**< NULL: all light arrives everywhere */
 } vvi_ray_meshes;
 
 /** What of meshes lies on the rays of a batch. Rays that meet none have depth INFINITY there. */

@@ -9,6 +9,9 @@ static const char *const mode_aliases[] = {"mip", "maximum", "minip", "minimum",
 
 static const char *const gradient_names[] = {"central", "cell", NULL};
 
+static const char *const lighting_names[] = {"local", "cinematic", NULL};
+#define LIT "mode=composite|isosurface"
+
 static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .aliases = mode_aliases,
      .def = VVI_RAYCAST_COMPOSITE,
@@ -49,6 +52,20 @@ static const vv_property properties[] = {
      .automatic = "on for quality high and reference, where values are interpolated",
      .doc = "for composite: integrate colour and opacity over all values between two samples of a ray, so that thin "
             "peaks of a transfer function are not missed"},
+    {VV_PROP(vvi_raycast_params, lighting), .kind = VV_KIND_ENUM, .names = lighting_names, .def = VVI_LIGHTING_LOCAL,
+     .when = LIT,
+     .doc = "local: every place is lit as if it were alone; cinematic: with shadows and ambient occlusion, and three "
+            "times the ambient light, which these take away"},
+    {VV_PROP(vvi_raycast_params, shadows), .kind = VV_KIND_BOOL, .automatic = "on with lighting cinematic", .when = LIT,
+     .doc = "clouds and surfaces take light from what lies behind them as seen from each lamp"},
+    {VV_PROP(vvi_raycast_params, ambient_occlusion), .kind = VV_KIND_BOOL, .automatic = "on with lighting cinematic",
+     .when = LIT, .doc = "less ambient light arrives in hollows and between what is close together"},
+    {VV_PROP(vvi_raycast_params, occlusion_radius), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true,
+     .min = 1e-9, .max = 1e12, .automatic = "a twentieth of the diagonal of all that is drawn", .when = LIT,
+     .doc = "how far away ambient light comes from in the mean: what is farther hides less of it"},
+    {VV_PROP(vvi_raycast_params, lamp_size), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .limited = true, .min = 0,
+     .max = 60, .def = 10, .when = LIT,
+     .doc = "how large directional lamps look from everywhere: the larger, the softer the shadows"},
     {0},
 };
 

@@ -1,10 +1,10 @@
 /* What a frame of the ray caster needs before its first pixel: every volume, and which kernels draw them. */
-#include "render/raycast/prepare.h"
 #include "core/cache.h"
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/half_volume.h"
+#include "render/raycast/prepare_light.h"
 #include "scene/label_ids.h"
 #include "scene/resolve.h"
 #include <math.h>
@@ -216,7 +216,6 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         if (v->solid || !vvi_raycast_needs_blend(v))
             v->kernel = own_kernel(v, p->mode, k);
     }
-    choose_clouds(s);
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
     return VV_OK;
 }
@@ -232,10 +231,13 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
     vv_status st = prepare_volumes(s, scene, job);
     if (st == VV_OK)
         st = vvi_ray_meshes_open(&s->meshes, scene, job);
+    if (st == VV_OK)
+        st = vvi_raycast_find_light(s, scene, job);
     if (st != VV_OK) {
         vvi_raycast_finish(s);
         return st;
     }
+    choose_clouds(s);
     *state_out = s;
     return VV_OK;
 }
@@ -267,5 +269,6 @@ void vvi_raycast_finish(void *state)
         vv_field_release((vv_field *)v->halved.field);
     }
     vvi_ray_meshes_close(&s->meshes);
+    vvi_cache_release(s->cells);
     vvi_free(s);
 }

@@ -40,6 +40,7 @@ static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *tab
     for (size_t i = 0; i < table->n && fine->n_rows; i++)
         if (fine->parts[i])
             put_split(v, i, fine->first[i], fine->parts[i]);
+    v->n_rows = rows;
     f->classifier.alpha = v->alpha;
     f->classifier.color = v->color;
     f->classifier.last_place = nextafterf((float)table->n, 0);

@@ -91,7 +91,9 @@ static vv_status light(vvi_march_volume *f, const vv_scene *scene, const vv_acto
     if (scene->n_lamps > VVI_RAY_LAMPS)
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
                        scene->n_lamps, VVI_RAY_LAMPS);
-    f->light.shaded = actor->shading_model != VV_SHADING_NONE;
+    const vvi_lighting lighting = vvi_raycast_lighting_of((const vvi_raycast_params *)scene->params);
+    f->light.unlit = actor->shading_model == VV_SHADING_NONE;
+    f->light.shaded = !f->light.unlit || lighting.shadows || lighting.ambient_occlusion;
     f->light.two_sided = actor->two_sided;
     f->light.capped = actor->cap && actor->n_planes > 0;
     f->light.gloss = vvi_gloss_of(actor->shading_model, actor->ambient, actor->diffuse, actor->specular,

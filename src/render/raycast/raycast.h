@@ -24,6 +24,8 @@ static inline bool vvi_raycast_projects(int mode)
     return mode != VVI_RAYCAST_COMPOSITE && mode != VVI_RAYCAST_ISOSURFACE;
 }
 
+typedef enum vvi_raycast_lighting { VVI_LIGHTING_LOCAL, VVI_LIGHTING_CINEMATIC } vvi_raycast_lighting;
+
 typedef enum vvi_raycast_gradient { VVI_GRADIENT_CENTRAL, VVI_GRADIENT_CELL } vvi_raycast_gradient;
 
 /** views.<view>.render.raycast */
@@ -37,6 +39,10 @@ typedef struct vvi_raycast_params {
     int gradient;
     bool jitter, skipping, parc, preintegrated;
     int64_t halvings;
+    int lighting;
+    bool shadows, ambient_occlusion;
+    double occlusion_radius; /**< world length */
+    double lamp_size;        /**< radians */
 } vvi_raycast_params;
 
 extern const vv_class vvi_raycast_class;
@@ -55,6 +61,7 @@ typedef struct vvi_raycast_volume {
     struct vvi_cached *minmax, *skip, *boxes;
     vvi_parc parc;
     float *alpha, *color;
+    size_t n_rows;                          /**< of both */
     struct vvi_transfer_integral *integral; /**< NULL: none */
     vvi_transfer_plane plane;
     struct vvi_cached *colors; /**< the volume's own, as a vv_field */
@@ -75,7 +82,9 @@ typedef struct vvi_raycast_state {
     size_t n_surfaces;               /**< volumes that are solid and visible */
     const vvi_raycast_volume *cloud; /**< the only volume that is no solid, if a kernel of one volume draws it */
     vvi_ray_meshes meshes;
-    vvi_blend_setup blend; /**< of the others; n_volumes 0: nothing to blend */
+    vvi_light_volume light;   /**< how much of it arrives where; cells NULL: all */
+    struct vvi_cached *cells; /**< of it */
+    vvi_blend_setup blend;    /**< of the others; n_volumes 0: nothing to blend */
 } vvi_raycast_state;
 
 /** Whether a kernel of one volume draws it. */
@@ -86,6 +95,14 @@ static inline bool vvi_raycast_is_plain(const vvi_raycast_state *s)
 
 /** Whether these parameters show a volume as a solid, and the values that it has. */
 bool vvi_raycast_solid(double *lo_out, double *hi_out, const vvi_raycast_params *p, const vv_actor *actor);
+
+/** What a lighting does besides. */
+typedef struct vvi_lighting {
+    bool shadows, ambient_occlusion;
+    float ambient; /**< times the ambient light */
+} vvi_lighting;
+/** What these parameters ask for. */
+vvi_lighting vvi_raycast_lighting_of(const vvi_raycast_params *params);
 
 vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *job);
 void vvi_raycast_finish(void *state); /* NULL is fine */

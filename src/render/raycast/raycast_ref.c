@@ -56,6 +56,8 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     const vvi_march_volume *f = &r->volume->blend.ray;
     if (!facing && f->light.capped && r->by_cut && t - r->t0 < (double)f->light.cap_depth * f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
+    if (!facing && f->light.unlit) /* what arrives right there */
+        g = vvi_vec(0, 0, 0);
     vv_actor actor = *r->volume->actor;
     if (facing) {
         if (vvi_dot(g, r->direction) < 0)
@@ -63,7 +65,8 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
         actor.two_sided = false;
     }
     vvi_shade_ref(out, r->scene, &actor, color, vvi_add(r->origin, vvi_scaled(r->direction, t)), g,
-                  vvi_scaled(r->direction, -1), vvi_shade_flat(r->volume->actor));
+                  vvi_scaled(r->direction, -1), vvi_shade_flat(r->volume->actor),
+                  f->light.volume.cells ? &f->light.volume : NULL);
 }
 
 /* Rows of the frame's own table, so that only sampling, shading and compositing are compared; the table has its own

@@ -177,7 +177,7 @@ static void light_face(double rgb[3], const capping *c, const face *f, vv_vec3 o
     const vv_actor *a = &f->slab->lit;
     const double color[3] = {(double)a->color[0], (double)a->color[1], (double)a->color[2]};
     vvi_shade_ref(rgb, c->scene, a, color, vvi_add(origin, vvi_scaled(direction, f->depth)), f->inwards,
-                  vvi_scaled(direction, -1), 0);
+                  vvi_scaled(direction, -1), 0, NULL);
 }
 
 /* side x side rays through a pixel; what its middle sees, where that is one. */

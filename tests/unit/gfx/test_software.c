@@ -352,7 +352,7 @@ static void light_is_that_of_the_definition(void **state)
                 const double depth = 3 / way.y;
                 assert_float_equal(image->depth[i], depth, 1e-5 * depth);
                 vvi_shade_ref(expected, &scene, &actor, color, vvi_add(origin, vvi_scaled(way, depth)),
-                              vvi_vec(0, 1, 0), vvi_scaled(way, -1), 1e-6);
+                              vvi_vec(0, 1, 0), vvi_scaled(way, -1), 1e-6, NULL);
                 for (int c = 0; c < 3; c++)
                     assert_float_equal(image->rgba[4 * i + c], expected[c], 2e-4);
             }

@@ -81,6 +81,8 @@ static void random_scene(test_ray_scene *s, const vv_field *field, int mode, uin
         test_ray_scene_light(s);
     if (seed % 4 == 1)
         s->actor.shading_model = VV_SHADING_PHONG;
+    if (seed % 4 == 2)
+        set(s, "lighting", "\"cinematic\"");
     s->actor.two_sided = seed % 3 != 0;
     s->actor.cap = seed % 2 == 0;
     set(s, "gradient", seed % 7 < 2 ? "cell" : "central");

@@ -35,7 +35,7 @@ static double shade(const stage *s, vv_vec3 gradient, vv_vec3 to_eye)
 {
     double out[3];
     vvi_unit(&to_eye);
-    vvi_shade_ref(out, &s->scene, &s->actor, white, vvi_vec(0, 0, 0), gradient, to_eye, 1e-6);
+    vvi_shade_ref(out, &s->scene, &s->actor, white, vvi_vec(0, 0, 0), gradient, to_eye, 1e-6, NULL);
     return out[0];
 }
 

@@ -1,0 +1,77 @@
+/** @file
+ * How much of the light arrives at VV_WIDTH points: light_volume.h with vectors. For kernels only.
+ */
+#ifndef VVI_RENDER_LIGHT_VOLUME_SIMD_H
+#define VVI_RENDER_LIGHT_VOLUME_SIMD_H
+#include "core/simd_vec.h"
+#include "render/march/volume.h"
+
+/** Eight cells around a point: the first one's number, and how far it is to the next on each axis. */
+typedef struct light_place {
+    vi cell;
+    vf f[3];
+} light_place;
+
+VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal)
+{
+    const vf at[3] = {p.x, p.y, p.z}, n[3] = {normal.x, normal.y, normal.z};
+    const int32_t *dims = light->volume.n, stride[3] = {1, dims[0], dims[0] * dims[1]};
+    light_place out;
+    out.cell = vi_set1(0);
+    for (int a = 0; a < 3; a++) {
+        vf q = vf_set1(light->cell_from_index[a][3]);
+        for (int b = 0; b < 3; b++) {
+            q = vf_fma(vf_set1(light->cell_from_index[a][b]), at[b], q);
+            q = vf_fma(vf_set1(light->cell_ahead[a][b]), n[b], q);
+        }
+        q = vf_min(vf_max(q, vf_set1(0.0f)), vf_set1((float)dims[a] - 1.001f)); /* 0 of NaN too */
+        const vi whole = vi_trunc(q);
+        out.f[a] = q - vf_from_vi(whole);
+        out.cell = out.cell + whole * vi_set1(stride[a]);
+    }
+    return out;
+}
+
+/** Shares of the ambient light and of the lamps that are stored, at p in the volume's index space; normal: in the
+ * world, on the side that is seen, or 0. */
+VV_INLINE void light_shares(vf out[VVI_LIGHT_SHARES], const vvi_light *light, vf3 p, vf3 normal)
+{
+    const vvi_light_volume *v = &light->volume;
+    const light_place at = find_light_place(light, p, normal);
+    const vf one = vf_set1(1.0f);
+    const vm all = vm_first_n(VV_WIDTH);
+    const vi first = at.cell * vi_set1(v->n_words);
+    for (int i = 0; i < v->n_shares; i++)
+        out[i] = vf_set1(0.0f);
+    for (int corner = 0; corner < 8; corner++) {
+        const int32_t step = (corner & 1) + (corner & 2 ? v->n[0] : 0) + (corner & 4 ? v->n[0] * v->n[1] : 0);
+        vf weight = one;
+        for (int a = 0; a < 3; a++) {
+            if (corner >> a & 1)
+                weight = weight * at.f[a];
+            else
+                weight = weight * (one - at.f[a]);
+        }
+        for (int w = 0; w < v->n_words; w++) {
+            vi bits = vi_gather(v->cells + step * v->n_words + w, vi_shl(first, 2), all);
+            for (int i = 4 * w; i < v->n_shares && i < 4 * w + 4; i++) {
+                out[i] = vf_fma(weight, vf_from_vi(bits & vi_set1(255)), out[i]);
+                bits = vi_shr_u(bits, 8);
+            }
+        }
+    }
+    for (int i = 0; i < v->n_shares; i++)
+        out[i] = out[i] * out[i] * vf_set1(1.0f / (255 * 255));
+    out[0] = out[0] * vf_set1(v->ambient);
+}
+
+/** What of an unshaded colour is left in this light. */
+VV_INLINE vf scattered(const vvi_light_volume *v, const vf shares[VVI_LIGHT_SHARES])
+{
+    vf sum = vf_set1(v->scatter_rest);
+    for (int i = 0; i < v->n_shares; i++)
+        sum = vf_fma(vf_set1(v->scatter[i]), shares[i], sum);
+    return sum;
+}
+
+#endif
