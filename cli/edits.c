@@ -89,7 +89,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "show colours unlit"},
     {VV_PROP(cli_look, lighting), .kind = VV_KIND_STRING, .unit = "LIGHTING", .table = "lightings",
      .automatic = "local", .doc = "local, or cinematic: shadows, ambient occlusion and more ambient light"},
-    {VV_PROP(cli_look, shadows), .kind = VV_KIND_BOOL, .doc = "let clouds and surfaces cast soft shadows"},
+    {VV_PROP(cli_look, shadows), .kind = VV_KIND_BOOL, .doc = "let clouds, surfaces and meshes cast soft shadows"},
     {VV_PROP(cli_look, ambient_occlusion), .kind = VV_KIND_BOOL,
      .doc = "less ambient light in hollows and between what is close together"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",

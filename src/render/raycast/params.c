@@ -57,7 +57,7 @@ static const vv_property properties[] = {
      .doc = "local: every place is lit as if it were alone; cinematic: with shadows and ambient occlusion, and three "
             "times the ambient light, which these take away"},
     {VV_PROP(vvi_raycast_params, shadows), .kind = VV_KIND_BOOL, .automatic = "on with lighting cinematic", .when = LIT,
-     .doc = "clouds and surfaces take light from what lies behind them as seen from each lamp"},
+     .doc = "clouds, surfaces and meshes take light from what lies behind them as seen from each lamp"},
     {VV_PROP(vvi_raycast_params, ambient_occlusion), .kind = VV_KIND_BOOL, .automatic = "on with lighting cinematic",
      .when = LIT, .doc = "less ambient light arrives in hollows and between what is close together"},
     {VV_PROP(vvi_raycast_params, occlusion_radius), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true,

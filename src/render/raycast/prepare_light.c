@@ -167,6 +167,21 @@ static uint64_t hash_volume(const vvi_raycast_volume *v, uint64_t h)
     return h;
 }
 
+static uint64_t hash_mesh(const vvi_ray_mesh *m, uint64_t h)
+{
+    const vv_mesh_actor *a = m->actor;
+    const uint32_t checksum = vv_mesh_checksum(a->mesh);
+    h = vvi_hash(&checksum, sizeof checksum, h);
+    h = vvi_hash(&m->to_mesh, sizeof m->to_mesh, h);
+    h = vvi_hash(&a->opacity, sizeof a->opacity, h);
+    h = vvi_hash(&a->one_color, sizeof a->one_color, h);
+    for (size_t i = 0; i < a->look.n_planes; i++)
+        h = vvi_hash(&a->look.planes[i], sizeof a->look.planes[i], h);
+    if (m->translucent && a->colors)
+        h = vvi_hash(a->colors, 4 * m->shown.n_vertices, h);
+    return h;
+}
+
 static void hash_extinction(request *r)
 {
     const vvi_raycast_state *s = r->state;
@@ -176,6 +191,8 @@ static void hash_extinction(request *r)
     for (size_t i = 0; i < s->n_volumes; i++)
         if (s->volume[i].visible)
             h = hash_volume(&s->volume[i], h);
+    for (size_t i = 0; i < s->meshes.n; i++)
+        h = hash_mesh(&s->meshes.mesh[i], h);
     r->hash = h;
     r->identity = r->frame.first ? vv_field_identity(r->frame.first->actor->field) : 0;
 }
@@ -192,7 +209,11 @@ static vv_status make_extinction(void **value_out, uint64_t *bytes_out, void *us
     float *cells = *value_out = vvi_alloc(job, *bytes_out, VVI_MEM_DERIVED);
     if (!cells)
         return vv_fail_memory(*bytes_out);
-    const vv_status st = vvi_raycast_fill_extinction(cells, &r->frame, r->state, job);
+    vvi_light_grid grid = {.cell_to_world = cells_to_world(&r->frame)};
+    memcpy(grid.n, r->frame.n, sizeof grid.n);
+    vv_status st = vvi_raycast_fill_extinction(cells, &r->frame, r->state, job);
+    if (st == VV_OK)
+        st = vvi_raycast_add_meshes(cells, &grid, &r->state->meshes, job);
     if (st != VV_OK) {
         vvi_free(cells);
         *value_out = NULL;

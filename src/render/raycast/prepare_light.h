@@ -20,6 +20,10 @@ typedef struct vvi_light_frame {
 vv_status vvi_raycast_fill_extinction(float *out, const vvi_light_frame *frame, const vvi_raycast_state *state,
                                       vv_job *job);
 
+/** Adds what meshes take: opaque triangles an optical depth of 6 in each cell that they pass through, translucent ones
+ * that of their opacity. */
+vv_status vvi_raycast_add_meshes(float *inout, const vvi_light_grid *grid, const vvi_ray_meshes *meshes, vv_job *job);
+
 /** Works out the light of a frame whose volumes and meshes are ready, and tells them; nothing where nobody asked. */
 vv_status vvi_raycast_find_light(vvi_raycast_state *state, const vv_scene *scene, vv_job *job);
 #endif

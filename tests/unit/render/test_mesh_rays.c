@@ -328,6 +328,36 @@ static void trees_find_what_trying_all_triangles_finds(void **state)
     vv_mesh_release(mesh);
 }
 
+/* A sheet across fog that is next to clear, under a lamp from above: light above it, and its share below. */
+static void meshes_cast_shadows_by_their_opacity(void **state)
+{
+    (void)state;
+    static const double opacities[] = {1, 0.5};
+    for (size_t k = 0; k < 2; k++) {
+        foggy f;
+        begin(&f, 1e-6);
+        const float white[3] = {1, 1, 1};
+        add(&f, new_plane(3.4), white, opacities[k]);
+        test_ray_scene_light(&f.s);
+        f.s.scene.n_lamps = 1;
+        f.s.lamps[0].direction = vvi_vec(0, 0, -1);
+        vv_object *params = &f.s.params->base;
+        assert_int_equal(vv_path_set(&params, "shadows", "true", NULL), VV_OK);
+        f.s.params = (vvi_raycast_params *)params;
+        f.s.scene.params = params;
+        void *prepared = NULL;
+        double shares[VVI_LIGHT_SHARES];
+        assert_int_equal(vvi_raycast_prepare(&prepared, &f.s.scene, NULL), VV_OK);
+        const vvi_raycast_state *frame = prepared;
+        vvi_light_volume_at(shares, &frame->light, (vv_vec3){MIDDLE, MIDDLE, 6}, (vv_vec3){0, 0, 0});
+        assert_float_equal(shares[1], 1, 0.01);
+        vvi_light_volume_at(shares, &frame->light, (vv_vec3){MIDDLE, MIDDLE, 1}, (vv_vec3){0, 0, 0});
+        assert_float_equal(shares[1], 1 - opacities[k], 0.05);
+        vvi_raycast_finish(prepared);
+        finish(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -336,6 +366,7 @@ int main(void)
         cmocka_unit_test(cuts_open_meshes_as_they_open_clouds),
         cmocka_unit_test(placed_meshes_are_where_they_are_put),
         cmocka_unit_test(meshes_are_lit_by_the_definition),
+        cmocka_unit_test(meshes_cast_shadows_by_their_opacity),
         cmocka_unit_test(trees_find_what_trying_all_triangles_finds),
     };
     if (!vvi_mesh_tree_exists()) {
