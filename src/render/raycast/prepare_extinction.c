@@ -150,7 +150,7 @@ static float take_by_gradient(const taker *t, int64_t at)
 {
     const vvi_blend_volume *b = &t->volume->blend;
     const double number = number_at(t, at);
-    if (b->classify == VVI_CLASSIFY_PLANE)
+    if (!t->by_entry)
         return by_plane(t, number * t->to_stored + t->to_stored_shift, gradient_at(t, at));
     const float most = take(t, (float)number);
     const double share = most > 0 ? fmin(gradient_at(t, at) * (double)b->modulate_scale, 1) : 0;
@@ -174,7 +174,8 @@ typedef struct filling {
 static double sample_place(const vvi_light_frame *f, int axis, int32_t cell, int i)
 {
     const int32_t side = f->side[axis], n = side < MOST_SAMPLES ? side : MOST_SAMPLES;
-    return f->lo[axis] + 0.5 + (double)cell * side + (2 * i + 1) * side / (2 * n);
+    const int32_t within = (2 * i + 1) * side / (2 * n);
+    return f->lo[axis] + 0.5 + (double)cell * side + within;
 }
 
 static int samples_of(const vvi_light_frame *f, int axis)

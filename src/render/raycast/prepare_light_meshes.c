@@ -69,8 +69,9 @@ static void strew_triangle(const strewing *s, uint32_t triangle)
 
 vv_status vvi_raycast_add_meshes(float *cells, const vvi_light_grid *grid, const vvi_ray_meshes *meshes, vv_job *job)
 {
-    strewing s = {.cells = cells, .grid = grid, .meshes = meshes};
+    strewing s = {.grid = grid, .meshes = meshes};
     vv_status st = VV_OK;
+    s.cells = cells;
     if (!vv_affine_invert(&s.to_cell, grid->cell_to_world))
         return vv_fail(VV_E_ARGUMENT, "light: the cells of its grid have no volume");
     s.side = cbrt(fabs(vv_affine_determinant(grid->cell_to_world)));
