@@ -217,6 +217,9 @@ static const one ones[] = {
     {"budget", "views.%1$s.render.budget", FORM_LIMIT, .example = "10s"},
     {"iso", "views.%1$s.render.%2$s.iso"},
     {"step", "views.%1$s.render.%2$s.step"},
+    {"lighting", "views.%1$s.render.%2$s.lighting"},
+    {"shadows", "views.%1$s.render.%2$s.shadows"},
+    {"ambient_occlusion", "views.%1$s.render.%2$s.ambient_occlusion"},
     {"slice", "views.%1$s.render.%2$s.orientation"}, /* --slice has chosen the method */
     {"lighting", "views.%1$s.render.%2$s.lighting"},
     {"shadows", "views.%1$s.render.%2$s.shadows"},

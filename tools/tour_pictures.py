@@ -89,6 +89,7 @@ SECTIONS = [
         "Light",
         "Several lights, each with its kind, place and colour.",
         [
+            picture("cinematic", "Shadows and ambient occlusion", "Furrows are dark and folds stand out: less light arrives where surroundings are close.", BRAIN, *VIEW, "--threshold", "60,255", "--lighting", "cinematic"),
             picture("two-lights", "Key and fill", "What one gets without asking: a key light and a weaker fill.", BRAIN, *VIEW, "--iso", "60"),
             picture("coloured-lights", "Three coloured lights", "A warm key, a blue fill, and a third light from below.", BRAIN, *VIEW, "--iso", "60", "--set", "lights.key.color=#ffb070", "--set", "lights.fill.color=#4070ff", "--set", "lights.fill.intensity=0.8", "--set", "lights.below={\"kind\": \"directional\", \"direction\": [0, 0, 1], \"color\": \"#30c060\"}"),
             picture("point-light", "A point light", "Close to the brain: it falls off with the distance.", BRAIN, *VIEW, "--iso", "60", "--set", "lights.fill.on=false", "--set", "lights.key={\"kind\": \"point\", \"frame\": \"world\", \"position\": [-70, 120, 60], \"falloff\": [0.2, 0, 0.0002]}"),
