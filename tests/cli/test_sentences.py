@@ -367,7 +367,7 @@ def test_junk_with_the_suffix_of_nrrd_is_not_nrrd():
 
 def test_what_is_to_blame_is_named():
     write_ball()
-    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "32768", "--memory", "1G"), "make it smaller")
+    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--resume", "a.part", "--size", "32768", "--memory", "1G"), "make it smaller")
     says(fails(4, "info", "head.nrrd", "--memory", "10"), "bytes of memory, and the limit is 10 bytes")
     if os.path.exists("/dev/full"):
         done = subprocess.run([VOLVIS, "convert", "head.nrrd", "-o", "-", "--output-format", "nrrd"], env=environment(),
