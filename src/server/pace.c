@@ -2,12 +2,11 @@
 
 #include <math.h>
 
-#define RECENT 0.3    /* weight of the newest frame */
-#define TELLING 16384 /* bytes of a frame, at least, that tell how fast the line is */
-#define AT_REST 5     /* seconds that a picture at rest may be under way */
-#define WHOLE 10      /* seconds that the whole may be, which follows one that had less */
-#define UNTOLD 2e4    /* bytes a second of a line of which nothing is known: what it carries in one of them will tell */
-#define SLOWEST 1e4   /* bytes a second of a page that is there */
+#define RECENT 0.3        /* weight of the newest frame */
+#define TELLING 16384     /* bytes of a frame, at least, that tell how fast the line is */
+#define AT_REST 5         /* seconds that a picture at rest may be under way */
+#define WHOLE 10          /* seconds that the whole may be, which follows one that had less */
+#define SLOWEST 1e4       /* bytes a second of a page that is there */
 #define AHEAD (256 << 10) /* bytes of texts before a frame that count as sent with it */
 #define ROOM 0.8          /* of the target, which a larger frame must stay below */
 #define UNKNOWN 262144    /* pixels of a frame, at most, while it is not known what they take */
@@ -52,8 +51,8 @@ static double rate_of(const vvi_pace *pace)
 
 size_t vvi_pace_room(const vvi_pace *pace)
 {
-    const double rate = rate_of(pace), room = AT_REST * (rate > 0 ? rate : UNTOLD);
-    return room < 1e9 ? (size_t)room : SIZE_MAX;
+    const double room = AT_REST * rate_of(pace);
+    return room > 0 && room < 1e9 ? (size_t)room : SIZE_MAX;
 }
 
 bool vvi_pace_carries(const vvi_pace *pace, size_t bytes)
