@@ -35,7 +35,8 @@ bool vvi_nrrd_parse_tags(vv_code out[VV_LABEL_CODES], const char *tags)
     while (at && strncmp(at, ENTRY, strlen(ENTRY)) != 0)
         at = (at = strchr(at, '|')) ? at + 1 : NULL;
     memset(out, 0, VV_LABEL_CODES * sizeof *out);
-    at += at ? strlen(ENTRY) : 0;
+    if (at)
+        at += strlen(ENTRY);
     for (int part = 0; at; part++) {
         const size_t n = strcspn(at, "~|");
         for (int c = 0; c < VV_LABEL_CODES; c++)
