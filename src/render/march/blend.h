@@ -209,7 +209,8 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
     const vf zero = vf_set1(0.0f);
     vf sum = zero, from = k + vf_set1(1.0f), to = k;
     vm some[VVI_BLEND_VOLUMES];
-    for (size_t i = 0; i < s->n; i++) {
+    const size_t n = s->n;
+    for (size_t i = 0; i < n; i++) {
         const part_span *b = &t->span[i];
         some[i] = vm_and(run, b->some);
         if (!vm_any(some[i]))
@@ -224,7 +225,7 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
     if (!vm_any(seen))
         return;
     const vf weight = absorbed_share(sum, seen) * s->transmittance;
-    for (size_t i = 0; i < s->n; i++)
+    for (size_t i = 0; i < n; i++)
         if (vm_any(some[i]))
             part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
     s->transmittance = vf_max(s->transmittance - weight * sum, zero);
