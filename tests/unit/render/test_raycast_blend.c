@@ -338,20 +338,38 @@ static void a_ramp_in_front_of_the_light_has_its_closed_form(void **state)
     finish(&t);
 }
 
-static void pre_integration_is_on_for_high_quality(void **state)
+/* From which quality on, for a ramp and for peaks of some widths at half of their height, over values from 0 to 1. */
+static void narrow_peaks_are_pre_integrated(void **state)
 {
+    static const struct {
+        double opacity[10];
+        size_t n;
+        int from;
+    } functions[] = {
+        {{0, 0, 1, 0.5}, 2, VV_QUALITY_REFERENCE},
+        {{0, 0, 0.5, 0.01, 0.51, 0.9, 1, 0.9}, 4, VV_QUALITY_REFERENCE}, /* a jump is no peak */
+        {{0, 0, 0.48, 0, 0.5, 0.5, 0.52, 0}, 4, VV_QUALITY_NORMAL},
+        {{0, 0, 0.45, 0, 0.46, 0.5, 0.54, 0.5, 0.55, 0}, 5, VV_QUALITY_NORMAL},    /* flat on top */
+        {{0, 0, 0.4, 0, 0.5, 0.5, 0.6, 0}, 4, VV_QUALITY_NORMAL},                  /* 0.1 */
+        {{0, 0, 0.35, 0, 0.5, 0.5, 0.65, 0}, 4, VV_QUALITY_REFERENCE},             /* 0.15 */
+        {{0, 0, 0.45, 0.4, 0.5, 0.5, 0.55, 0.4, 1, 0.4}, 5, VV_QUALITY_REFERENCE}, /* on a shoulder */
+        {{0, 0, 0.97, 0, 0.98, 0.5}, 3, VV_QUALITY_REFERENCE},                     /* what is above stays */
+    };
     (void)state;
-    together t = {0};
-    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
-    test_ray_scene_opacity(s, (const double[]){0, 0, 1, 0.5}, 2);
-    for (int quality = VV_QUALITY_DRAFT; quality <= VV_QUALITY_REFERENCE; quality++) {
-        void *prepared = NULL;
-        s->scene.quality = quality;
-        assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
-        assert_int_equal(vvi_raycast_is_plain(prepared), quality < VV_QUALITY_HIGH);
-        vvi_raycast_finish(prepared);
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
+        together t = {0};
+        test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+        test_ray_scene_opacity(s, functions[i].opacity, functions[i].n);
+        for (int quality = VV_QUALITY_DRAFT; quality <= VV_QUALITY_REFERENCE; quality++) {
+            void *prepared = NULL;
+            s->scene.quality = quality;
+            assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
+            if (vvi_raycast_is_plain(prepared) != (quality < functions[i].from))
+                fail_msg("function %zu at quality %d", i, quality);
+            vvi_raycast_finish(prepared);
+        }
+        finish(&t);
     }
-    finish(&t);
 }
 
 /* Random volumes ----------------------------------------------------------------------------------------------------
@@ -841,7 +859,7 @@ int main(void)
         cmocka_unit_test(a_box_without_outer_nodes_has_its_own_depth_alone),
         cmocka_unit_test(one_jump_parts_what_is_seen_from_what_is_not),
         cmocka_unit_test(a_ramp_in_front_of_the_light_has_its_closed_form),
-        cmocka_unit_test(pre_integration_is_on_for_high_quality),
+        cmocka_unit_test(narrow_peaks_are_pre_integrated),
         cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),
         cmocka_unit_test(cubic_surfaces_equal_the_reference_in_every_build),
         cmocka_unit_test(painted_surfaces_equal_the_reference_in_every_build),
