@@ -28,7 +28,7 @@ enum { VVI_TEXTURE_LANES = 16, VVI_TEXTURE_LEVELS = 32, VVI_TEXTURE_OCTAVES = 4 
 
 /** One image of a pyramid: rows from the top, linear, premultiplied. */
 typedef struct vvi_texture_level {
-    int32_t n[2];
+    int32_t n[2], first; /**< columns and rows; the number of the first texel among those of all levels */
     const float *rgba;
 } vvi_texture_level;
 
@@ -56,29 +56,25 @@ void vvi_texture_close(vvi_texture *t); /* zeroed is fine */
 vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job *job);
 
 /**
- * The texture on colours of several points at once.
+ * The texture on colours of several points at once: texture_kernel.c, built once per instruction set.
  *
  * Shapes   rgb, at: [3][points]; at in the volume's index space; bits: which of the points
  * Units    distance from the eye, world lengths
  * Threads  any
  */
-void vvi_texture_apply(float rgb[3][VVI_TEXTURE_LANES], const vvi_texture *t, float at[3][VVI_TEXTURE_LANES],
-                       const float distance[VVI_TEXTURE_LANES], uint32_t bits);
+typedef void vvi_texture_kernel(float rgb[3][VVI_TEXTURE_LANES], const vvi_texture *t, float at[3][VVI_TEXTURE_LANES],
+                                const float distance[VVI_TEXTURE_LANES], uint32_t bits);
 
-/** The bits by which a lattice point of the noise has its gradient: one of the 12 towards the edges of a cube. */
-static inline uint32_t vvi_texture_hash(int32_t i, int32_t j, int32_t k, uint32_t seed)
+/* The bits by which a lattice point of the noise has its gradient, one of the 12 towards the edges of a cube. From the
+ * seed, one coordinate after the other: h = turned by 15 bits (h ^ coordinate * STEP) * TURN; then the last mixing of
+ * MurmurHash3, by which every bit of the place changes half of the bits. */
+#define VVI_HASH_STEP 0xcc9e2d51U
+#define VVI_HASH_TURN 0x1b873593U
+#define VVI_HASH_MIX_A 0x85ebca6bU
+#define VVI_HASH_MIX_B 0xc2b2ae35U
+static inline uint32_t vvi_hash_start(uint32_t seed)
 {
-    uint32_t h = seed * 0x9e3779b9U + 0x85ebca6bU;
-    const int32_t at[3] = {i, j, k};
-    for (int a = 0; a < 3; a++) {
-        h ^= (uint32_t)at[a] * 0xcc9e2d51U;
-        h = (h << 15 | h >> 17) * 0x1b873593U;
-    }
-    h ^= h >> 16; /* the last mixing of MurmurHash3: every bit of the place changes half of the bits */
-    h *= 0x85ebca6bU;
-    h ^= h >> 13;
-    h *= 0xc2b2ae35U;
-    return h ^ h >> 16;
+    return seed * 0x9e3779b9U + 0x85ebca6bU;
 }
 
 #endif

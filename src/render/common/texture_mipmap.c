@@ -54,11 +54,16 @@ static vv_status find_sizes(vvi_texture *t, size_t *floats_out, const vv_image *
     *floats_out = 0;
     for (t->n_levels = 0; t->n_levels < VVI_TEXTURE_LEVELS;) {
         size_t floats;
+        t->level[t->n_levels].first = (int32_t)(*floats_out / 4);
         memcpy(t->level[t->n_levels++].n, n, sizeof n);
         const vv_status st = vvi_mul3_size(&floats, (size_t)n[0], (size_t)n[1], 4 * sizeof(float));
         if (st != VV_OK)
             return st;
         *floats_out += floats / sizeof(float);
+        if (*floats_out > INT32_MAX) /* kernels find texels by numbers of 32 bits */
+            return vv_fail(VV_E_LIMIT,
+                           "an image of %d x %d pixels: expected at most 536870911 with all levels; make it smaller",
+                           (int)image->width, (int)image->height);
         if (n[0] == 1 && n[1] == 1)
             break;
         n[0] = half(n[0]);

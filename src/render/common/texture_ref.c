@@ -10,6 +10,21 @@ static double fade(double cycles)
     return fmin(fmax(2 - 4 * cycles, 0), 1);
 }
 
+static uint32_t hash(int32_t i, int32_t j, int32_t k, uint32_t seed)
+{
+    uint32_t h = vvi_hash_start(seed);
+    const int32_t at[3] = {i, j, k};
+    for (int a = 0; a < 3; a++) {
+        h ^= (uint32_t)at[a] * VVI_HASH_STEP;
+        h = (h << 15 | h >> 17) * VVI_HASH_TURN;
+    }
+    h ^= h >> 16;
+    h *= VVI_HASH_MIX_A;
+    h ^= h >> 13;
+    h *= VVI_HASH_MIX_B;
+    return h ^ h >> 16;
+}
+
 /* The gradients by number: towards the edges of a cube; the last four again, so that there are 16. */
 static const int gradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
                                      {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
@@ -28,7 +43,7 @@ double vvi_texture_noise_ref(double x, double y, double z, uint32_t seed)
     for (int corner = 0; corner < 8; corner++) {
         const double i = floor(x) + (corner & 1), j = floor(y) + (corner >> 1 & 1), k = floor(z) + (corner >> 2);
         const double dx = x - i, dy = y - j, dz = z - k;
-        const int *g = gradients[vvi_texture_hash((int32_t)i, (int32_t)j, (int32_t)k, seed) & 15];
+        const int *g = gradients[hash((int32_t)i, (int32_t)j, (int32_t)k, seed) & 15];
         sum += weight(dx) * weight(dy) * weight(dz) * (g[0] * dx + g[1] * dy + g[2] * dz);
     }
     return sum;

@@ -89,14 +89,8 @@ VV_INLINE vf3 part_label_gradient(const vvi_march_volume *f, vf3 p, vf label, vm
 static __attribute__((noinline)) void paint_samples(vf rgb[3], const march_part *p, const vf3 *at, vf k, vi lane, vm m)
 {
     take_paint(rgb, &p->f->paint, at, m);
-    if (!p->f->texture)
-        return;
-    double t0[VV_WIDTH];
-    int32_t of[VV_WIDTH];
-    vi_store(of, lane);
-    for (int l = 0; l < VV_WIDTH; l++)
-        t0[l] = p->r.t0[of[l]];
-    texture_colors(rgb, p->f, at, t0, k, m);
+    if (p->f->texture)
+        texture_colors(rgb, p->f, at, vf_permute(entry_distance(&p->r), lane), k, m);
 }
 
 /** Colour of the samples from `at` on, at most one a lane. */

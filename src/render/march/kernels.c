@@ -152,6 +152,7 @@ const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .eye = eye,
     .blend = VV_KERNEL_TABLE(vvi_blend_rays),
     .surface_cubic = spline,
+    .texture = VV_KERNEL_TABLE(vvi_texture_apply),
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,

@@ -4,6 +4,7 @@
  */
 #ifndef VVI_RENDER_MARCH_KERNELS_H
 #define VVI_RENDER_MARCH_KERNELS_H
+#include "render/common/texture.h"
 #include "render/march/rays.h"
 #include "render/march/volume.h"
 #include <volvis/sys/scene.h>
@@ -36,6 +37,7 @@ typedef struct vvi_ray_kernels {
     vvi_eye_kernel *eye;
     vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
     vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way */
+    vvi_texture_kernel *texture;   /**< for tests: the other kernels call it themselves */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
                    const float *x, const float *y, const float *z, size_t n);

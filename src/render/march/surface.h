@@ -309,9 +309,8 @@ VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *
         const vf3 at = own ? vf3_select(st->flat, p, st->sample) : p;
         take_paint(rgb, &f->paint, &at, st->hit);
     }
-    if (f->texture) {
-        texture_colors(rgb, f, &p, r->t0, st->s, st->hit);
-    }
+    if (f->texture)
+        texture_colors(rgb, f, &p, entry_distance(r), st->s, st->hit);
 }
 
 /** To the sink: colours where rays hit, and how far along them. */

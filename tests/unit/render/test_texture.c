@@ -58,6 +58,9 @@ static vvi_texture texture_of(int kind, const vv_image *image)
     return t;
 }
 
+/* Which of the builds that this machine runs the formulas are tried with. */
+static const vvi_ray_kernels *tested = &vvi_ray_kernels_scalar;
+
 static void color_at(float rgb_out[3], const vvi_texture *t, double x, double y, double z)
 {
     float rgb[3][VVI_TEXTURE_LANES] = {{0}}, at[3][VVI_TEXTURE_LANES] = {{0}}, distance[VVI_TEXTURE_LANES] = {0};
@@ -65,7 +68,7 @@ static void color_at(float rgb_out[3], const vvi_texture *t, double x, double y,
     at[1][5] = (float)y;
     at[2][5] = (float)z;
     distance[5] = 1;
-    vvi_texture_apply(rgb, t, at, distance, 1U << 5);
+    tested->texture(rgb, t, at, distance, 1U << 5);
     for (int c = 0; c < 3; c++) {
         rgb_out[c] = rgb[c][5];
         assert_true(rgb[c][4] == 0 && rgb[c][6] == 0); /* points that nobody asked for stay */
@@ -103,6 +106,15 @@ static void every_level_has_the_mean_of_the_image(void **state)
         vvi_texture_close(&t);
         vv_image_release(image);
     }
+}
+
+static void an_image_of_too_many_texels_is_refused(void **state)
+{
+    (void)state;
+    const vv_image image = {.width = 32768, .height = 32768};
+    vvi_texture t = {0};
+    assert_int_equal(vvi_texture_build_levels(&t, &image, NULL), VV_E_LIMIT);
+    assert_non_null(strstr(vv_error_last()->message, "32768 x 32768"));
 }
 
 static void five_texels_halve_to_two_with_half_of_the_middle_one_each(void **state)
@@ -271,7 +283,7 @@ static void strength_and_alpha_leave_the_rest_of_a_colour(void **state)
         for (int c = 0; c < 3; c++)
             rgb[c][0] = 0.8f;
         t.replace = replace;
-        vvi_texture_apply(rgb, &t, at, distance, 1);
+        tested->texture(rgb, &t, at, distance, 1);
         for (int c = 0; c < 3; c++) {
             const double target = (double)premultiplied[c] * (replace ? 1 : 0.8);
             assert_true(near_to(rgb[c][0], 0.8 * (1 - 0.25) + 0.5 * target, 1e-6));
@@ -630,17 +642,20 @@ static void a_frame_without_memory_is_an_error_and_leaves_nothing(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_level_has_the_mean_of_the_image),
-        cmocka_unit_test(five_texels_halve_to_two_with_half_of_the_middle_one_each),
+    const struct CMUnitTest formulas[] = {
         cmocka_unit_test(a_plane_shows_every_texel_in_its_place_whatever_the_depth),
         cmocka_unit_test(beyond_the_border_an_image_repeats_is_mirrored_or_stays),
         cmocka_unit_test(a_globe_has_its_longitudes_and_latitudes),
         cmocka_unit_test(cells_of_a_checker_differ_from_their_six_neighbours),
         cmocka_unit_test(a_wide_pixel_sees_the_mean_of_a_checker),
-        cmocka_unit_test(noise_is_0_at_lattice_points_and_nearly_so_in_the_mean),
         cmocka_unit_test(strength_and_alpha_leave_the_rest_of_a_colour),
         cmocka_unit_test(places_beyond_all_measure_have_some_colour),
+    };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_level_has_the_mean_of_the_image),
+        cmocka_unit_test(an_image_of_too_many_texels_is_refused),
+        cmocka_unit_test(five_texels_halve_to_two_with_half_of_the_middle_one_each),
+        cmocka_unit_test(noise_is_0_at_lattice_points_and_nearly_so_in_the_mean),
         cmocka_unit_test(textures_equal_the_reference_in_every_build),
         cmocka_unit_test(a_far_checker_is_grey),
         cmocka_unit_test(a_texture_fits_the_volume_unless_it_is_placed),
@@ -648,5 +663,12 @@ int main(void)
         cmocka_unit_test(what_cannot_be_is_refused_with_a_sentence),
         cmocka_unit_test(a_frame_without_memory_is_an_error_and_leaves_nothing),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    failed += cmocka_run_group_tests_name("formulas, scalar", formulas, NULL, NULL);
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+        for (size_t i = 0; (tested = vvi_ray_kernels_nth(i)) && strcmp(tested->isa, *cpu) != 0; i++)
+            ;
+        failed += cmocka_run_group_tests_name(*cpu, formulas, NULL, NULL);
+    }
+    return failed;
 }
