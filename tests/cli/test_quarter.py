@@ -55,6 +55,8 @@ STREAMS = {
     "add-noise": ["@ --sigma 3"],
     "distance": ["#", "# --side both"],
 }
+# Of these tables, or what is sorted, may be larger than so little memory: they need more of it, and say so.
+TABLES = ("components", "equalize", "match", "median")
 # And of those that take all samples at once.
 WHOLE = {
     "fill-holes": ["#"],
@@ -101,6 +103,7 @@ def same_in_part(words):
     ok(*words, "-o", "whole.nrrd", "--overwrite", "--threads", "2", "--encoding", "raw")
     part = in_memory(words, MEMORY)
     if part.code == 4:
+        assert words[0] in TABLES, f"{words} does not stream: {part.message}"
         assert "more with --memory" in part.message and not os.path.exists("part.nrrd"), f"{words}: {part.message}"
         part = in_memory(words, 3 * MEMORY)
     assert part.code == 0 and part.json["streamed"], f"{words}: {part.message}"
