@@ -73,7 +73,7 @@ export const states = [
     await search(page, "gaussian");
     await page.locator("[data-preview=sagittal]").waitFor();
   } },
-  { name: "operation-whole", go: async (page) => { await search(page, "bias"); await page.getByText("works on all samples at once").or(page.locator("[data-preview]")).first().waitFor(); } },
+  { name: "operation-whole", go: async (page) => { await search(page, "components"); await page.getByText("works on all samples at once").waitFor(); } },
   { name: "pipeline", options: ["--made"], go: chain },
   { name: "pipeline-failed", options: ["--made"], go: async (page) => { await chain(page); await page.getByRole("textbox", { name: "Range", exact: true }).fill(""); await page.keyboard.press("Enter"); await page.locator(".step-failed").waitFor(); } },
   { name: "pipeline-insert", options: ["--made"], go: async (page) => { await chain(page); await page.getByRole("button", { name: "Add a step" }).click(); await page.locator(".filter-entry").first().waitFor(); } },
