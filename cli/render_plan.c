@@ -1,5 +1,6 @@
 /* render --dry-run: what would be read and made, and the memory that it takes. */
 #include "render_plan.h"
+#include "core/memory.h"
 #include "core/units.h"
 #include "pipeline.h"
 #include "render/picture.h"
@@ -16,9 +17,9 @@ static uint64_t made_bytes(const vv_renderer *renderer, const vv_world *world, c
     const vv_object *params = vv_collection_find(methods, renderer->name);
     uint64_t bytes = 0;
     for (size_t i = 0; i < world->volumes->n && renderer->memory; i++) {
-        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
-        const bool shows = volume->data ? strcmp(volume->data, data) == 0 : world->datasets->n == 1;
-        bytes += volume->visible && shows ? renderer->memory(params, volume, info) : 0;
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        const char *shown = vvi_volume_dataset_id(world, volume);
+        bytes += volume->visible && shown && strcmp(shown, data) == 0 ? renderer->memory(params, volume, info) : 0;
     }
     return bytes;
 }
@@ -42,19 +43,19 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_world *world, const vv_data
 enum { PART_ROWS = 4 * VVI_TILE };
 
 /* Data are read for it: what does not fit is refused. */
-static vv_status tell_time(cli_command *command, vv_world *world, const vv_view *view, const char *id, bool at_once)
+static vv_status tell_time(cli_command *command, vv_world *world, const vv_view *view, const char *id, bool in_parts)
 {
     double render_s = 0;
     vv_render_report report;
     vv_picture *picture;
     const int32_t height = (int32_t)view->height, top = height / 2 / VVI_TILE * VVI_TILE;
     const int32_t rows = height - top < PART_ROWS ? height - top : PART_ROWS;
-    vv_status st = at_once ? vv_picture_new(&picture, world, id, false, command->job)
-                           : vvi_picture_new_rows(&picture, world, id, top, rows, command->job);
+    vv_status st = in_parts ? vvi_picture_new_rows(&picture, world, id, top, rows, command->job)
+                            : vv_picture_new(&picture, world, id, false, command->job);
     if (st != VV_OK)
         return st;
     st = vv_picture_estimate(&render_s, picture, command->job);
-    render_s *= at_once ? 1 : (double)height / rows;
+    render_s *= in_parts ? (double)height / rows : 1;
     vv_picture_report(&report, picture);
     vv_picture_free(picture);
     if (st != VV_OK)
@@ -69,7 +70,7 @@ static vv_status tell_time(cli_command *command, vv_world *world, const vv_view 
     return VV_OK;
 }
 
-vv_status cli_render_plan(cli_command *command, vv_world *world, const char *view_id, const char *output)
+vv_status cli_render_plan(cli_command *command, vv_world *world, const char *view_id, const char *output, bool in_parts)
 {
     const vv_view *view = vvi_view_named(world, view_id);
     const vv_renderer *renderer = vv_registry_renderer(command->registry, vvi_method_of(world, view, command->job));
@@ -109,7 +110,7 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
         bytes += samples + made_bytes(renderer, world, view, world->datasets->entry[i].id, &info);
     }
     const uint64_t limit = vv_runtime_memory_limit(command->runtime);
-    bytes = !at_once && bytes > limit ? limit : bytes;
+    bytes = in_parts && bytes > limit ? limit : bytes;
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", output, view->width, view->height);
     cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
@@ -118,8 +119,10 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
     vvi_result_integer(&command->json, "height", view->height);
     vvi_result_unsigned(&command->json, "memory_bytes", bytes);
     vvi_result_bool(&command->json, "dry_run", true);
-    if (!at_once)
+    if (in_parts)
         cli_command_line(command, "", "the picture is made part by part, within the memory limit");
-    vvi_result_bool(&command->json, "in_parts", !at_once);
-    return tell_time(command, world, view, view_id, at_once);
+    else
+        st = vvi_memory_plan(command->job, picture, "the picture");
+    vvi_result_bool(&command->json, "in_parts", in_parts);
+    return st == VV_OK ? tell_time(command, world, view, view_id, in_parts) : st;
 }

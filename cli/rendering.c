@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/sys/scene.h>
 
 const vv_view *cli_rendering_view(const cli_rendering *r)
 {
@@ -73,6 +74,18 @@ static vv_status write_to_standard(const cli_rendering *r, const vv_image_option
     return st;
 }
 
+/* What it is to have: the recipe is written before its pixels are made. */
+static vv_status foresee_passes(cli_rendering *r)
+{
+    vv_scene *scene;
+    const vv_status st = vv_scene_resolve(&scene, r->world, r->recipe.view, r->command->job);
+    if (st != VV_OK)
+        return st;
+    r->last = (vv_render_report){.method = scene->renderer->name, .passes = scene->samples, .ended_by = VV_END_SAMPLES};
+    vv_scene_release(scene);
+    return VV_OK;
+}
+
 static vv_status make_parts(cli_rendering *r, const vv_image_options *options)
 {
     const double start_s = cli_now_s();
@@ -109,7 +122,9 @@ vv_status cli_rendering_write(cli_rendering *r)
 {
     const double start_s = cli_now_s();
     vv_world *fixed = NULL;
-    vv_status st;
+    vv_status st = r->in_parts ? foresee_passes(r) : VV_OK;
+    if (st != VV_OK)
+        return st;
     describe_rays(r);
     if ((st = vvi_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
         return st;

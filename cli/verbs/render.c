@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <volvis/sys/scene.h>
 
 static const vv_property rows[] = {
     {VV_PROP(cli_render_options, bits), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 32, .def = 8,
@@ -126,19 +125,14 @@ static vv_status render(cli_rendering *r)
 /* Larger than memory: it is made while it is written. What needs all of it at once is left to fail as it does. */
 static vv_status choose_parts(cli_rendering *r)
 {
-    vv_scene *scene;
+    const vv_view *view = cli_rendering_view(r);
     uint64_t bytes;
     bool at_once;
-    vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
-    if (st != VV_OK || at_once || r->is_figure || r->checkpoint || r->options->repeat || r->suffix[0])
-        return st;
-    if ((st = vv_scene_resolve(&scene, r->world, r->recipe.view, r->command->job)) != VV_OK)
-        return st;
-    r->in_parts = true;
-    r->last.passes = scene->samples; /* that it is to have: the recipe is written first */
-    r->last.ended_by = VV_END_SAMPLES;
-    vv_scene_release(scene);
-    return VV_OK;
+    const vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
+    r->in_parts = st == VV_OK && !at_once && !r->is_figure && !r->checkpoint && !r->options->repeat && !r->suffix[0];
+    return r->in_parts ? vv_image_check_rows(r->output, (int32_t)view->width, (int32_t)view->height, &r->image_options,
+                                             r->command->job)
+                       : st;
 }
 
 /* A figure has colours alone. */
@@ -229,7 +223,9 @@ static vv_status run(cli_command *command)
         return st;
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
-            st = cli_render_plan(command, r.world, r.recipe.view, r.output);
+            st = (st = choose_parts(&r)) == VV_OK
+                     ? cli_render_plan(command, r.world, r.recipe.view, r.output, r.in_parts)
+                     : st;
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
         else if ((st = choose_parts(&r)) == VV_OK && (st = r.in_parts ? VV_OK : render(&r)) == VV_OK && r.saved)

@@ -75,6 +75,9 @@ typedef struct vv_image_rows {
 /** vv_image_write() of one without layers; VV_E_UNSUPPORTED where a format needs all of it at once: PNG does not. */
 VV_API vv_status vv_image_write_rows(const char *path, const vv_image_rows *rows, const vv_image_options *options,
                                      vv_job *job);
+/** Whether it could be, to ask before a long render, as vv_image_check(). */
+VV_API vv_status vv_image_check_rows(const char *path, int32_t width, int32_t height, const vv_image_options *options,
+                                     vv_job *job);
 /** The same in memory: the bytes of a file of the format that this suffix has (".png"), yours to free with
  * vv_image_bytes_free(). Layers have no place there. */
 VV_API vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, const vv_image *image,

@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "image/image_layer.h"
+#include "model/contents.h"
 #include "render/picture.h"
 #include "scene/resolve.h"
 #include <stdlib.h>
@@ -36,7 +37,7 @@ static uint64_t memory_left(vv_job *job)
 vv_status vv_render_memory(uint64_t *bytes_out, bool *at_once_out, const vv_world *world, const char *view_id,
                            vv_job *job)
 {
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, view_id);
+    const vv_view *view = vvi_view_named(world, view_id);
     if (!view)
         return vv_fail_at(VV_E_NOT_FOUND, NULL, "views", "there is no view '%s'", view_id);
     vv_scene scene = {.view = view};

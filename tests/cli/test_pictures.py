@@ -393,9 +393,10 @@ def test_a_picture_larger_than_memory_is_made_part_by_part():
     assert ok("compare", "parts.png", "again.png", "--json").json["identical"]
     assert ok(*large, "-o", "a.png", "--memory", "20M", "--dry-run", "--json").json["in_parts"]
     for word, *options in (["PNG", "-o", "a.jpg"], ["decorations", "-o", "a.png", "--decorate", "axes"], ["noise", "-o", "a.png", "--noise", "1%"]):
-        result = volvis(*large, "--memory", "20M", *options)
-        assert result.code != 0
-        says(result.message, word)
+        for more in ([], ["--dry-run"]):  # which says it, too
+            result = volvis(*large, "--memory", "20M", *options, *more)
+            assert result.code != 0, (options, more)
+            says(result.message, word)
 
 
 def test_too_little_memory_for_a_picture_is_said():

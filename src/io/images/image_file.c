@@ -207,6 +207,14 @@ static vv_status choose_for_rows(const vv_image_format **format_out, vv_image_op
     return st;
 }
 
+vv_status vv_image_check_rows(const char *path, int32_t width, int32_t height, const vv_image_options *options,
+                              vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    return choose_for_rows(&format, &full, path, &(vv_image_rows){.width = width, .height = height}, options, job);
+}
+
 vv_status vv_image_write_rows(const char *path, const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
 {
     vv_image_options full;
