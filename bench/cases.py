@@ -24,6 +24,20 @@ FOG = (
     ((0, 0, 0, 0), (60, 0.2, 0.3, 0.9), (110, 0.9, 0.5, 0.2), (200, 1, 1, 0.9), (255, 1, 1, 1)),
     ((0, 0), (15, 0), (60, 0.004), (110, 0.008), (255, 0.03)),
 )
+# What quality would choose is written out, here and for every scene of a benchmark: one plain ray a pixel, as the others have
+CAST = {
+    "samples": 1,
+    "adaptive": False,
+    "raycast": {
+        "opaque": 1 / 512,
+        "gradient": "central",
+        "jitter": False,
+        "halvings": 0,
+        "preintegrated": False,
+        "shadows": False,
+        "ambient_occlusion": False,
+    },
+}
 GREY = (((0, 0, 0, 0), (255, 1, 1, 1)), ((0, 0), (255, 1)))
 TRANSFER = {"bone": BONE, "fog": FOG, "mip": GREY}
 
@@ -98,8 +112,9 @@ def scene(case, path):
                 "height": SIZE,
                 "camera": {"eye": list(eye), "at": list(at), "up": list(up), "fov": FOV_DEG},
                 "render": {
+                    **CAST,
                     "method": "raycast",
-                    "raycast": {"mode": "maximum" if case.mode == "mip" else "composite", "step": case.step},
+                    "raycast": {**CAST["raycast"], "mode": "maximum" if case.mode == "mip" else "composite", "step": case.step},
                 },
             }
         },
