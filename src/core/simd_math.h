@@ -65,9 +65,10 @@ VV_INLINE vf vf_pow01(vf x, float y)
     return vf_exp2(vf_max(vf_set1(y) * vf_log2(vf_max(x, vf_set1(1.1754944e-38f))), vf_set1(-60.0f)));
 }
 
-/** x^n for x in [0, 1] and a whole n > 0, by squaring; 0 below 1e-18, for the same reason. */
-VV_INLINE vf vf_pow01_whole(vf x, int32_t n)
+/** x^n for x in [0, 1] and a whole n > 0, by squaring; 0 below `least`, for the same reason: n-th root of 2^-60. */
+VV_INLINE vf vf_pow01_whole(vf x, int32_t n, float least)
 {
+    x = vf_select(vf_lt(x, vf_set1(least)), vf_set1(0.0f), x);
     vf result = vf_set1(1.0f);
     for (;;) {
         if (n & 1)
@@ -75,8 +76,7 @@ VV_INLINE vf vf_pow01_whole(vf x, int32_t n)
         n >>= 1;
         if (!n)
             return result;
-        x = x * x;
-        x = vf_select(vf_lt(x, vf_set1(1e-18f)), vf_set1(0.0f), x);
+        x = x * x; /* not below x^n, as more factors follow */
     }
 }
 

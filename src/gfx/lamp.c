@@ -28,7 +28,8 @@ vvi_gloss vvi_gloss_of(int model, float ambient, float diffuse, float specular, 
                    .diffuse = diffuse,
                    .specular = specular,
                    .shininess = shininess,
-                   .whole_shininess = whole ? (int32_t)shininess : 0};
+                   .whole_shininess = whole ? (int32_t)shininess : 0,
+                   .least_shine = whole ? exp2f(-60 / shininess) : 0};
     for (int c = 0; c < 3; c++)
         g.ambient[c] = ambient_light[c] * ambient;
     return g;

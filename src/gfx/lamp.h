@@ -30,6 +30,7 @@ typedef struct vvi_gloss {
     bool phong;                                     /**< else Blinn's highlights */
     float ambient[3], diffuse, specular, shininess; /**< ambient: times the ambient light */
     int32_t whole_shininess;                        /**< the same where it is a small whole number, else 0 */
+    float least_shine;                              /**< and the number whose power by it is 2^-60 */
 } vvi_gloss;
 
 vvi_lamp vvi_lamp_from(const vv_lamp *lamp, vv_vec3 origin);

@@ -40,7 +40,7 @@ VV_INLINE vf highlight(const vvi_gloss *g, vf3 n, vf3 l, vf3 to_eye, vf n_l)
         s = vf_select(vf_lt(n_l, zero), zero - s, s);
     }
     s = vf_clamp(s, zero, vf_set1(1));
-    return g->whole_shininess ? vf_pow01_whole(s, g->whole_shininess)
+    return g->whole_shininess ? vf_pow01_whole(s, g->whole_shininess, g->least_shine)
                               : vf_select(vf_lt(zero, s), vf_pow01(s, g->shininess), zero);
 }
 
@@ -58,6 +58,7 @@ VV_INLINE void light_points(vf rgb[3], const lit_points *p, const vvi_gloss *g, 
 {
     const vf zero = vf_set1(0);
     vf diffuse[3], specular[3];
+    VV_UNROLL
     for (int c = 0; c < 3; c++) {
         diffuse[c] = vf_set1(g->ambient[c]);
         if (p->arrives)
@@ -75,11 +76,13 @@ VV_INLINE void light_points(vf rgb[3], const lit_points *p, const vvi_gloss *g, 
         const vm shines = vm_and(vf_lt(zero, seen), p->surface);
         const vf s = vf_select(shines, highlight(g, p->normal, l, p->to_eye, n_l), zero) * vf_set1(g->specular) * share;
         const vf d = seen * vf_set1(g->diffuse) * share;
+        VV_UNROLL
         for (int c = 0; c < 3; c++) {
             diffuse[c] = vf_fma(d, vf_set1(lamp->color[c]), diffuse[c]);
             specular[c] = vf_fma(s, vf_set1(lamp->color[c]), specular[c]);
         }
     }
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_fma(rgb[c], diffuse[c], specular[c]);
 }

@@ -177,6 +177,7 @@ VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, v
         weight = weight * found->depth;
     }
     weight = vf_select(m, weight, vf_set1(0.0f));
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_fma(weight, row[c], s->rgb[c]);
 }
@@ -240,6 +241,7 @@ VV_INLINE void blend_finish(composite_state *s)
         march_part *p = &s->part[i];
         if (p->queue.n)
             p->by->color(&p->queue, p);
+        VV_UNROLL
         for (int c = 0; c < 3; c++)
             s->rgb[c] = s->rgb[c] + p->queue.rgb[c];
     }
@@ -248,6 +250,7 @@ VV_INLINE void blend_finish(composite_state *s)
 VV_INLINE void blend_store(vvi_sink *out, const composite_state *s, const vvi_blend_setup *f, size_t at)
 {
     float depth[VV_WIDTH];
+    VV_UNROLL
     for (int i = 0; i < 3; i++)
         vf_store(out->rgb[i] + at, s->rgb[i]);
     vf_store(out->through + at, s->transmittance);

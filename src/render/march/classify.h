@@ -76,6 +76,7 @@ VV_INLINE void select_row(row_place *r, vm m, const row_place *yes)
     r->place = vf_select(m, yes->place, r->place);
     r->fraction = vf_select(m, yes->fraction, r->fraction);
     r->row = vi_select(m, yes->row, r->row);
+    VV_UNROLL
     for (int c = 0; c < 4; c++) {
         r->mean[c] = vf_select(m, yes->mean[c], r->mean[c]);
         r->sum[c] = vf_select(m, yes->sum[c], r->sum[c]);
@@ -95,6 +96,7 @@ VV_INLINE void in_steep_row(sight *s, const vvi_march_volume *f, vf value, vf sh
     const vi of = vi_select(split, split_entry(f, place, entry, alpha, split), vi_set1(0));
     vf_rows4(row, f->classifier.color, vi_shl(of, 2));
     s->depth = vf_select(split, row[3] * share, s->depth);
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_select(split, row[c] * s->depth, s->rgb[c]);
 }
@@ -111,10 +113,12 @@ VV_INLINE void mean_between(sight *s, const vvi_march_volume *f, const row_place
     const vf way = b->place - a->place;
     const vm same = vm_or(vf_lt(vf_abs(way), vf_set1(1.0f / 64)), vi_eq(a->row, b->row));
     vf mean[4];
+    VV_UNROLL
     for (int c = 0; c < 4; c++)
         mean[c] = (a->mean[c] + b->mean[c]) * vf_set1(0.5f);
     if (vm_any(vm_andnot(m, same))) {
         const vf inverse = vf_set1(1.0f) / vf_select(same, vf_set1(1.0f), way);
+        VV_UNROLL
         for (int c = 0; c < 4; c++) {
             const vf ends = vf_fma(b->fraction, b->mean[c], vf_set1(0.0f) - a->fraction * a->mean[c]);
             const vf rows = vf_from_vi(vi_bits(b->sum[c]) - vi_bits(a->sum[c]));
@@ -123,6 +127,7 @@ VV_INLINE void mean_between(sight *s, const vvi_march_volume *f, const row_place
         }
     }
     s->depth = vf_max(mean[3], vf_set1(0.0f)) * share;
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_max(mean[c], vf_set1(0.0f)) * share;
     const vm still = vm_and(m, same);
@@ -164,9 +169,11 @@ VV_INLINE void in_plane(sight *s, const vvi_march_volume *f, vf value, vf share)
     vf_rows4(b, f->classifier.plane + 4, at);
     vf_rows4(c, f->classifier.plane + 4 * VVI_PLANE_SIDE, at);
     vf_rows4(d, f->classifier.plane + 4 * VVI_PLANE_SIDE + 4, at);
+    VV_UNROLL
     for (int q = 0; q < 4; q++)
         sum[q] = vf_lerp(vf_lerp(a[q], b[q], fx), vf_lerp(c[q], d[q], fx), fy) * share;
     s->depth = sum[3];
+    VV_UNROLL
     for (int q = 0; q < 3; q++)
         s->rgb[q] = sum[q];
 }

@@ -106,10 +106,10 @@ VV_INLINE void color_batch(float *const part[3], const color_queue *q, const mar
     const vf3 point = vf3_set(vf_fma(k, delta.x, start.x), vf_fma(k, delta.y, start.y), vf_fma(k, delta.z, start.z));
     vf rgb[4];
     if (has_colors(f))
-        for (int c = 0; c < 3; c++)
-            rgb[c] = vf_load(q->found[c] + at);
-    else
-        vf_rows4(rgb, f->classifier.color, vi_shl(vi_load(q->entry + at), 2));
+        VV_UNROLL
+    for (int c = 0; c < 3; c++)
+        rgb[c] = vf_load(q->found[c] + at);
+    else vf_rows4(rgb, f->classifier.color, vi_shl(vi_load(q->entry + at), 2));
     if (f->paint.kind != VVI_PAINT_NONE || f->texture)
         paint_samples(rgb, p, &point, k, lane, m);
     if (f->light.shaded) {
@@ -126,6 +126,7 @@ VV_INLINE void color_batch(float *const part[3], const color_queue *q, const mar
             gradient = cap_gradient(gradient, r, f, k, lane, m);
         shade(f, point, permuted(r->direction, lane), gradient, false, rgb);
     }
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         vf_store(part[c] + at, rgb[c] * weight);
 }
@@ -133,19 +134,24 @@ VV_INLINE void color_batch(float *const part[3], const color_queue *q, const mar
 VV_INLINE void color_all(color_queue *q, const march_part *p, int sampler)
 {
     float red[QUEUE_ROOM + VV_WIDTH], green[QUEUE_ROOM + VV_WIDTH], blue[QUEUE_ROOM + VV_WIDTH];
-    memset(red, 0, sizeof red); /* lanes without a sample read what lies behind the last */
-    memset(green, 0, sizeof green);
-    memset(blue, 0, sizeof blue);
     float *const part[3] = {red, green, blue};
     for (int at = 0; at < q->n; at += VV_WIDTH)
         color_batch(part, q, p, sampler, at);
+    VV_UNROLL
+    for (int c = 0; c < 3; c++) /* lanes without a sample read what lies behind the last */
+        vf_store(part[c] + q->n, vf_set1(0.0f));
+    vf rgb[3] = {q->rgb[0], q->rgb[1], q->rgb[2]}; /* in registers, from push to push */
     int at = 0;
     for (int i = 0; i < q->n_pushes; i++) {
         const vm m = vm_from_bits(q->pushed[i]);
+        VV_UNROLL
         for (int c = 0; c < 3; c++)
-            q->rgb[c] = q->rgb[c] + vf_expand(part[c] + at, m);
+            rgb[c] = rgb[c] + vf_expand(part[c] + at, m);
         at += vm_count(m);
     }
+    VV_UNROLL
+    for (int c = 0; c < 3; c++)
+        q->rgb[c] = rgb[c];
     q->n = q->n_pushes = 0;
 }
 
@@ -173,6 +179,7 @@ VV_INLINE void queue_push_sight(color_queue *q, const vvi_march_volume *f, vf k,
     const int n = q->n;
     if (has_colors(f)) {
         const vf each = vf_set1(1.0f) / vf_max(s->depth, vf_set1(1e-30f));
+        VV_UNROLL
         for (int c = 0; c < 3; c++)
             vf_compress(q->found[c] + n, s->rgb[c] * each, m);
     }

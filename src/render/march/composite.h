@@ -72,6 +72,7 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
     }
     const vf weight = alpha * s->transmittance;
     if (how == HOW_TABLE) {
+        VV_UNROLL
         for (int c = 0; c < 3; c++)
             s->rgb[c] = vf_fma(weight, t->row[c], s->rgb[c]);
     } else {

@@ -65,6 +65,7 @@ VV_INLINE void store_values(vvi_sink *out, const packet *r, const vvi_march_volu
 {
     const vi at = vi_shl(find_entry(f, value, found), 2);
     vf rgb[3];
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_gather4(f->classifier.color + c, at, found);
     packet_store(out, r, f, to, rgb, vf_select(found, vf_set1(0.0f), vf_set1(1.0f)), depth);

@@ -18,8 +18,10 @@ VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal
     const int32_t *dims = light->volume.n, stride[3] = {1, dims[0], dims[0] * dims[1]};
     light_place out;
     out.cell = vi_set1(0);
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         vf q = vf_set1(light->cell_from_index[a][3]);
+        VV_UNROLL
         for (int b = 0; b < 3; b++) {
             q = vf_fma(vf_set1(light->cell_from_index[a][b]), at[b], q);
             q = vf_fma(vf_set1(light->cell_ahead[a][b]), n[b], q);
@@ -46,6 +48,7 @@ VV_INLINE void light_shares(vf out[VVI_LIGHT_SHARES], const vvi_light *light, vf
     for (int corner = 0; corner < 8; corner++) {
         const int32_t step = (corner & 1) + (corner & 2 ? v->n[0] : 0) + (corner & 4 ? v->n[0] * v->n[1] : 0);
         vf weight = one;
+        VV_UNROLL
         for (int a = 0; a < 3; a++) {
             if (corner >> a & 1)
                 weight = weight * at.f[a];

@@ -88,6 +88,7 @@ static __attribute__((noinline)) void packet_begin(packet *r, const vvi_march_vo
 {
     double t0[VV_WIDTH], t1[VV_WIDTH], io[3][VV_WIDTH], id[3][VV_WIDTH];
     float start[3][VV_WIDTH], delta[3][VV_WIDTH], inverse[3][VV_WIDTH], n[VV_WIDTH], dir[3][VV_WIDTH];
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         r->origin[a] = rays->origin[a] + at;
         r->dir[a] = rays->direction[a] + at;
@@ -96,6 +97,7 @@ static __attribute__((noinline)) void packet_begin(packet *r, const vvi_march_vo
         t0[l] = rays->near[at + (size_t)l];
         t1[l] = rays->far[at + (size_t)l];
     }
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         const double *m = f->sampler.world_to_index[a];
         for (int l = 0; l < VV_WIDTH; l++) {
@@ -111,6 +113,7 @@ static __attribute__((noinline)) void packet_begin(packet *r, const vvi_march_vo
         const double from = in ? t0[l] : 0;
         r->t0[l] = from;
         n[l] = in ? (float)((t1[l] - from) / f->step) : 0.0f;
+        VV_UNROLL
         for (int a = 0; a < 3; a++) {
             const double s = id[a][l] * f->step;
             start[a][l] = (float)(io[a][l] + id[a][l] * from);
@@ -140,6 +143,7 @@ VV_INLINE void packet_store(vvi_sink *out, const packet *r, const vvi_march_volu
                             vf through, vf depth)
 {
     float k[VV_WIDTH];
+    VV_UNROLL
     for (int i = 0; i < 3; i++)
         vf_store(out->rgb[i] + at, rgb[i]);
     vf_store(out->through + at, through);

@@ -25,6 +25,7 @@ VV_INLINE void load_color_row(vf out[4], const vvi_lattice *g, vi at, vf fx)
     split_16(VVI_SAMPLE_U16, vi_bits(two[1]), &a[2], &a[3]);
     split_16(VVI_SAMPLE_U16, vi_bits(two[2]), &b[0], &b[1]);
     split_16(VVI_SAMPLE_U16, vi_bits(two[3]), &b[2], &b[3]);
+    VV_UNROLL
     for (int i = 0; i < 4; i++)
         out[i] = g->n[0] > 1 ? vf_lerp(a[i], b[i], fx) : a[i];
 }
@@ -46,10 +47,12 @@ static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_paint *p
         load_color_row(row[1], g, at + y, c.fx);
         load_color_row(row[2], g, at + z, c.fx);
         load_color_row(row[3], g, at + y + z, c.fx);
+        VV_UNROLL
         for (int i = 0; i < 4; i++)
             sum[i] = vf_lerp(vf_lerp(row[0][i], row[1][i], c.fy), vf_lerp(row[2][i], row[3][i], c.fy), c.fz);
     }
     const vf each = one / vf_max(sum[3], vf_set1(1e-20f));
+    VV_UNROLL
     for (int i = 0; i < 3; i++)
         rgb[i] = sum[i] * each;
 }
@@ -59,6 +62,7 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *pain
 {
     const float(*f)[4] = paint->from_index;
     vf q[3];
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         q[a] = vf_fma(vf_set1(f[a][0]), p->x,
                       vf_fma(vf_set1(f[a][1]), p->y, vf_fma(vf_set1(f[a][2]), p->z, vf_set1(f[a][3]))));
@@ -71,6 +75,7 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *pain
     const vf place = vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift));
     const vi entry = vi_shl(vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(paint->n_entries - 1)))), 2);
     m = vm_and(m, vf_eq(value, value));
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_select(m, vf_gather4(paint->color + c, entry, m), rgb[c]);
 }

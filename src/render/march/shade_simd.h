@@ -18,6 +18,7 @@ VV_INLINE vf3 world_point(const vvi_march_volume *f, vf3 p)
 {
     const float(*m)[4] = f->sampler.index_to_world;
     vf out[3];
+    VV_UNROLL
     for (int a = 0; a < 3; a++)
         out[a] = vf_fma(vf_set1(m[a][0]), p.x,
                         vf_fma(vf_set1(m[a][1]), p.y, vf_fma(vf_set1(m[a][2]), p.z, vf_set1(m[a][3]))));
@@ -43,6 +44,7 @@ VV_INLINE void shade_unlit(const vvi_march_volume *f, vf3 p_index, vf3 direction
                           vf_lt(vf_set1(f->light.flat_gradient), vf_sqrt(vf3_dot(gradient, gradient))));
     light_shares(arrives, &f->light, p_index, ahead);
     const vf left = scattered(&f->light.volume, arrives);
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = rgb[c] * left;
 }

@@ -29,6 +29,7 @@ VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_march_volume *f, b
     const vf shift = vf_set1(nearest ? 0.5f : 0.0f), zero = vf_set1(0.0f);
     const vf start[3] = {r->start.x + shift, r->start.y + shift, r->start.z + shift};
     const vf delta[3] = {r->delta.x, r->delta.y, r->delta.z};
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         const int32_t cells = nearest ? f->sampler.lattice.n[a] : f->sampler.lattice.n[a] - 1;
         w->last[a] = vi_set1(cells > 0 ? cells - 1 : 0);
@@ -70,6 +71,7 @@ VV_INLINE walk_out walk_find_exit(const walk *w, const packet *r, const cell_box
 VV_INLINE cell_box walk_cell(const walk *w)
 {
     cell_box b;
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         b.low[a] = w->cell[a];
         b.high[a] = w->cell[a] + vi_set1(1);
@@ -86,6 +88,7 @@ VV_INLINE vm walk_step(walk *w, const walk_out *o, vm m)
     const vm z = vm_andnot(vm_andnot(m, x), y);
     const vm go[3] = {vm_and(m, x), vm_and(m, y), z};
     vm inside = m;
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         w->cell[a] = vi_select(go[a], w->cell[a] + w->step[a], w->cell[a]);
         inside = vm_andnot(inside, vi_lt(w->cell[a], vi_set1(0)));
@@ -105,6 +108,7 @@ VV_INLINE vm walk_jump(walk *w, const packet *r, const cell_box *b, vm m)
     const vm x = vm_and(vf_le(o.axis_s[0], o.axis_s[1]), vf_le(o.axis_s[0], o.axis_s[2]));
     const vm y = vm_andnot(vf_le(o.axis_s[1], o.axis_s[2]), x);
     const vm by[3] = {x, y, vm_andnot(vm_andnot(m, x), y)};
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         /* the cell where it leaves, still inside the box; on the axis that it leaves by, the last one of the box,
          * whatever the rounding */
@@ -186,11 +190,13 @@ VV_INLINE vm surface_empty(const walk *w, const vvi_march_volume *f, vm run, cel
 {
     const vi one = vi_set1(1);
     vi block[3];
+    VV_UNROLL
     for (int a = 0; a < 3; a++)
         block[a] = vi_min(vi_shr_by(w->cell[a], f->skipper.shift), vi_set1(f->skipper.blocks[a] - 1));
     const vi index = (block[2] * vi_set1(f->skipper.blocks[1]) + block[1]) * vi_set1(f->skipper.blocks[0]) + block[0];
     const vi reach = vi_gather(f->skipper.reach, index, run) & vi_set1(255);
     const vi far = vi_select(vi_lt(reach, vi_set1(VVI_SKIP_OCCUPIED)), reach, vi_set1(0));
+    VV_UNROLL
     for (int a = 0; a < 3; a++) {
         const vi high = vi_shl(block[a] + far, f->skipper.shift);
         const vm border = vi_lt(vi_set1(f->skipper.blocks[a] - 1), block[a] + far);
@@ -301,6 +307,7 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_march
 /** The colour of a surface where rays hit it. */
 VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_march_volume *f)
 {
+    VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_set1(f->solid.color[c]);
     const vf3 p = packet_point(r, st->s);
@@ -318,6 +325,7 @@ VV_INLINE void surface_store(vvi_sink *out, const packet *r, const vvi_march_vol
                              const surface_state *st, vf rgb[3])
 {
     const vf zero = vf_set1(0.0f);
+    VV_UNROLL
     for (int i = 0; i < 3; i++)
         rgb[i] = vf_select(st->hit, rgb[i], zero);
     packet_store(out, r, f, at, rgb, vf_select(st->hit, zero, vf_set1(1.0f)),
