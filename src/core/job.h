@@ -16,7 +16,8 @@ vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size
 /** Loops of this job have the helpers before those of others, which leave loops that yield; the thread that runs such a
  * loop goes on with a quarter of its time. Before the work begins. */
 void vvi_job_set_urgent(vv_job *job);
-/** All loops of this job yield. Before the work begins. */
+/** All loops of this job yield, and for a tenth of a second after anything urgent have no helpers and a sixteenth of
+ * the time. Before the work begins. */
 void vvi_job_set_modest(vv_job *job);
 /** Workers that a loop may use: scratch arrays by worker have this many. */
 int vvi_job_threads(const vv_job *job);

@@ -46,20 +46,35 @@ static bool has_ended(const loop *l)
     return atomic_load_explicit(&l->stop, memory_order_relaxed) || vv_job_cancelled(l->job);
 }
 
-enum { WAITS = 3 };         /* times what an item took, for the thread that cannot leave */
-#define LONGEST_WAIT_S 0.05 /* cancelling is not kept waiting */
+enum { WAITS = 3, MODEST_WAITS = 15 }; /* times what an item took, for the thread that cannot leave */
+#define LONGEST_WAIT_S 0.05            /* cancelling is not kept waiting */
+
+/* In naps, as long as there is a reason to. */
+static void wait_beside(const loop *l, vvi_pool *pool, double wait_s)
+{
+    const double until_s = vvi_os_seconds() + wait_s;
+    for (double left_s = wait_s; left_s > 0; left_s = until_s - vvi_os_seconds()) {
+        const double nap_s = fmin(left_s, LONGEST_WAIT_S);
+        nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * nap_s)}, NULL);
+        if (has_ended(l) || vvi_pool_is_calm(pool))
+            return;
+    }
+}
 
 /* Between two items, while an urgent loop has work to do: helpers leave for it, true, and the thread whose loop it is
- * leaves the processor to it for a while. */
+ * leaves the processor to it for a while. Of a modest job also in the gaps between urgent ones. */
 static bool steps_aside(const loop *l, int worker, double since_s)
 {
     vv_runtime *runtime = vv_job_runtime(l->job);
-    if (!l->yields || !runtime || l->job->urgent || !vvi_pool_is_pressed(&runtime->pool))
+    if (!l->yields || !runtime || l->job->urgent)
+        return false;
+    vvi_pool *pool = &runtime->pool;
+    if (l->call.modest ? vvi_pool_is_calm(pool) : !vvi_pool_is_pressed(pool))
         return false;
     if (worker > 0)
         return true;
-    const double wait_s = fmin(WAITS * (vvi_os_seconds() - since_s), LONGEST_WAIT_S);
-    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * wait_s)}, NULL);
+    const double took_s = vvi_os_seconds() - since_s;
+    wait_beside(l, pool, l->call.modest ? MODEST_WAITS * took_s : fmin(WAITS * took_s, LONGEST_WAIT_S));
     return false;
 }
 
@@ -145,12 +160,17 @@ static void run(loop *l)
 {
     vv_runtime *runtime = vv_job_runtime(l->job);
     const bool alone = !runtime || runtime->threads == 1 || l->n_items == 1 || depth > 0;
+    const bool urgent = runtime && l->call.urgent;
+    if (urgent)
+        vvi_pool_note_urgent(&runtime->pool);
     take_part_in_default_arithmetic(l, 0, !alone);
+    if (urgent)
+        vvi_pool_note_urgent(&runtime->pool);
 }
 
 vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items)
 {
-    loop l = {.call = {.wanted = wants_help, .help = help, .urgent = job && job->urgent},
+    loop l = {.call = {.wanted = wants_help, .help = help, .urgent = job && job->urgent, .modest = job && job->modest},
               .work = work,
               .shared = shared,
               .job = job,

@@ -5,6 +5,28 @@
 
 #include <signal.h>
 #include <stdlib.h>
+#include <time.h>
+
+#define SECOND INT64_C(1000000000)
+#define CALM (SECOND / 10)
+
+static int64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * SECOND + t.tv_nsec;
+}
+
+void vvi_pool_note_urgent(vvi_pool *pool)
+{
+    atomic_store_explicit(&pool->calm_at, now_ns() + CALM, memory_order_relaxed);
+}
+
+bool vvi_pool_is_calm(const vvi_pool *pool)
+{
+    const int64_t at = atomic_load_explicit(&pool->calm_at, memory_order_relaxed);
+    return at == 0 || at <= now_ns();
+}
 
 /* Urgent ones first, then those with fewer helpers, so that jobs share the threads evenly. */
 static bool is_needier(const vvi_call *call, const vvi_call *than)
@@ -17,9 +39,29 @@ static vvi_call *neediest_call(const vvi_pool *pool)
 {
     vvi_call *best = NULL;
     for (vvi_call *call = pool->calls; call; call = call->below)
-        if ((!best || is_needier(call, best)) && call->wanted(call))
+        if ((!best || is_needier(call, best)) && (!call->modest || vvi_pool_is_calm(pool)) && call->wanted(call))
             best = call;
     return best;
+}
+
+static bool has_modest_call(const vvi_pool *pool)
+{
+    for (const vvi_call *call = pool->calls; call; call = call->below)
+        if (call->modest)
+            return true;
+    return false;
+}
+
+/* For work; where a modest call waits, until it is calm. */
+static void wait_for_work(vvi_pool *pool)
+{
+    if (!has_modest_call(pool)) {
+        pthread_cond_wait(&pool->work, &pool->lock);
+        return;
+    }
+    const int64_t calm_at = atomic_load(&pool->calm_at), now = now_ns(), until = calm_at > now ? calm_at : now + CALM;
+    const struct timespec at = {.tv_sec = until / SECOND, .tv_nsec = until % SECOND};
+    pthread_cond_timedwait(&pool->work, &pool->lock, &at);
 }
 
 bool vvi_pool_is_pressed(vvi_pool *pool)
@@ -54,7 +96,7 @@ static void *run_thread(void *user)
         if (call)
             help(pool, call, number);
         else
-            pthread_cond_wait(&pool->work, &pool->lock);
+            wait_for_work(pool);
     }
     pthread_mutex_unlock(&pool->lock);
     return NULL;
@@ -91,7 +133,11 @@ vv_status vvi_pool_init(vvi_pool *pool)
     *pool = (vvi_pool){0};
     if (pthread_mutex_init(&pool->lock, NULL) != 0)
         return vv_fail_memory(sizeof pool->lock);
-    pthread_cond_init(&pool->work, NULL);
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC); /* setting the date must not stretch a wait */
+    pthread_cond_init(&pool->work, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     pthread_cond_init(&pool->left, NULL);
     return VV_OK;
 }

@@ -7,6 +7,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <volvis/status.h>
 
 /** A call for help, on the stack of the thread whose work it is. The two functions are set by the caller. */
@@ -14,6 +15,7 @@ typedef struct vvi_call {
     bool (*wanted)(struct vvi_call *call);           /**< is there something left to do? Under the pool's lock: quick */
     void (*help)(struct vvi_call *call, int worker); /**< does some of it; worker is the thread's number: 1, 2, ... */
     bool urgent;                                     /**< helped before all that is not */
+    bool modest;                                     /**< helped when nothing urgent has been under way for a while */
     int inside;                                      /**< helpers that are here; under the pool's lock */
     struct vvi_call *below;
 } vvi_call;
@@ -27,6 +29,8 @@ typedef struct vvi_pool {
     bool stopping;
     vvi_call *calls;
     atomic_int n_urgent; /**< of the calls; without the lock, so that it costs nothing where there are none */
+    _Atomic int64_t
+        calm_at; /**< nanoseconds of the monotonic clock: from when on nothing urgent will have been of late */
 } vvi_pool;
 
 vv_status vvi_pool_init(vvi_pool *pool);
@@ -40,6 +44,11 @@ void vvi_pool_finish(vvi_pool *pool);
 void vvi_pool_offer(vvi_pool *pool, vvi_call *call, int n_threads, size_t n_useful);
 /** Whether an urgent call has something left to do: time for helpers of others to leave. */
 bool vvi_pool_is_pressed(vvi_pool *pool);
+/** Something urgent is under way, with or without calls for help. */
+void vvi_pool_note_urgent(vvi_pool *pool);
+/** Whether nothing urgent has been under way for a tenth of a second: frames that follow one another leave gaps, in
+ * which work that can wait must not begin. */
+bool vvi_pool_is_calm(const vvi_pool *pool);
 /** Waits until all helpers have left; after this the pool does not know the call. */
 void vvi_pool_withdraw(vvi_pool *pool, vvi_call *call);
 #endif

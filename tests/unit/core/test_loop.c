@@ -1,6 +1,7 @@
 /* Parallel loops. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/pool.h"
 #include "fail_alloc.h"
 #include "fields.h"
 #include "jobs.h"
@@ -444,6 +445,24 @@ static void helpers_leave_all_loops_of_a_modest_job_for_an_urgent_one(void **sta
     helpers_leave(true);
 }
 
+/* Often: a busy machine may take this thread away for as long as that. */
+static void it_is_calm_a_while_after_what_is_urgent(void **state)
+{
+    vvi_pool pool;
+    bool was_not = false;
+    assert_int_equal(vvi_pool_init(&pool), VV_OK);
+    assert_true(vvi_pool_is_calm(&pool));
+    for (int i = 0; i < 1000 && !was_not; i++) {
+        vvi_pool_note_urgent(&pool);
+        was_not = !vvi_pool_is_calm(&pool);
+    }
+    assert_true(was_not);
+    for (int i = 0; i < 60000 && !vvi_pool_is_calm(&pool); i++)
+        usleep(1000);
+    assert_true(vvi_pool_is_calm(&pool));
+    vvi_pool_finish(&pool);
+}
+
 /* Too little memory ---------------------------------------------------------------------------------------------- */
 
 static vv_status start_counted(void **scratch_out, void *shared, int worker)
@@ -539,6 +558,7 @@ int main(void)
         cmocka_unit_test(several_jobs_share_one_runtime),
         cmocka_unit_test(helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back),
         cmocka_unit_test(helpers_leave_all_loops_of_a_modest_job_for_an_urgent_one),
+        cmocka_unit_test(it_is_calm_a_while_after_what_is_urgent),
         cmocka_unit_test(every_allocation_of_a_runtime_and_its_loops_can_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
