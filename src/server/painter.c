@@ -129,6 +129,14 @@ static void size_draft(painting *p)
     p->draft_size[1] = (int32_t)fmax(1, round(scale * p->wish.height));
 }
 
+static int count_looking(const vvi_painter *painter)
+{
+    int n = 0;
+    for (int i = 0; i < painter->n_slots; i++)
+        n += painter->slots[i].wanted || painter->slots[i].resolved != 0;
+    return n;
+}
+
 /* Waits for a wish and takes it; false at the end. */
 static bool take_wish(painting *p, brush *b)
 {
@@ -145,6 +153,7 @@ static bool take_wish(painting *p, brush *b)
         }
         slot *s = &painter->slots[at];
         *p = (painting){.painter = painter, .brush = b, .at = at, .wish = s->wish, .draft = draft};
+        p->n_looking = count_looking(painter);
         s->wish.world = NULL;
         s->wanted = false;
         b->last = b->now = at;

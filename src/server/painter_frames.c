@@ -13,7 +13,7 @@
 
 enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
 /* What a picture takes while it is drawn and encoded; those of a screen of 5120 x 2880 are drawn as they are. */
-enum { PIXEL_BYTES = 56, PIXELS_MOST = 1 << 24, PIXELS_LEAST = 1 << 16 };
+enum { PIXEL_BYTES = 56, PIXELS_MOST = 1 << 24, PIXELS_SHARED = 3 << 20, PIXELS_LEAST = 1 << 16 };
 /* Of the memory limit: what is kept of pictures that were left. */
 enum { SHELF_SHARE = 16 };
 /* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
@@ -229,15 +229,16 @@ static vv_status render_at_rest(painting *p)
 
 /* Looking -------------------------------------------------------------------------------------------------------- */
 
-/* Of the frame: a picture takes a quarter of the memory that there may be at most, and 900 MiB. What is larger is drawn
- * smaller, as what moves is. */
+/* Of the frame: a picture takes a quarter of the memory that there may be at most, and 900 MiB, which all that look
+ * share, down to what a window on most screens needs. What is larger is drawn smaller, as what moves is. */
 static void size_frame(int32_t out[2], const painting *p)
 {
     const vvi_wish *w = &p->wish;
     const int32_t at_rest[2] = {w->width, w->height};
     const int32_t *size = p->draft ? p->draft_size : is_quick(p) ? w->frame_size : at_rest;
     const double room = (double)vv_runtime_memory_limit(p->painter->runtime) / 4 / PIXEL_BYTES;
-    const double most = fmax(fmin(room, PIXELS_MOST), PIXELS_LEAST), pixels = (double)size[0] * size[1];
+    const double shared = fmax((double)PIXELS_MOST / (p->n_looking > 1 ? p->n_looking : 1), PIXELS_SHARED);
+    const double most = fmax(fmin(room, shared), PIXELS_LEAST), pixels = (double)size[0] * size[1];
     const double scale = fmin(1, sqrt(most / pixels));
     for (int a = 0; a < 2; a++)
         out[a] = scale < 1 ? (int32_t)fmax(1, floor(scale * size[a])) : size[a];

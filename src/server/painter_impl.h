@@ -55,6 +55,7 @@ typedef struct painting {
     int at;
     bool draft;            /* a quick frame of a view at rest that shows nothing yet */
     int32_t draft_size[2]; /* of it */
+    int n_looking;         /* views, this one included */
     vvi_wish wish;
     vv_world *world; /* with the camera */
     vv_job *job;
