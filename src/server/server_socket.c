@@ -168,7 +168,8 @@ static void take_message(vvi_peer *peer)
         vvi_ration_greeted(&peer->ration, vvi_now());
     }
     if (st != VV_OK)
-        vvi_socket_end(peer, st == VV_E_LIMIT ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY, vv_error_last()->message);
+        vvi_socket_end(peer, st == VV_E_LIMIT || st == VV_E_MEMORY ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY,
+                       vv_error_last()->message);
 }
 
 static void take_frame(vvi_peer *peer, vvi_framed what)

@@ -312,9 +312,9 @@ void vvi_session_keep_sync(vvi_session *session);
 /* message_text.c ------------------------------------------------------------------------------------------------------
  */
 
-/** A page's message, yours to json_decref(); NULL: no JSON. Whole numbers beyond 2^63 are real ones. `flaw`: NULL, or a
- * sentence why it cannot be taken though its type and id can be read. */
-json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
+/** A page's message, yours to json_decref(); NULL: no JSON, or there is no memory for it. Whole numbers beyond 2^63 are
+ * real ones. `flaw`: NULL, or a sentence why it cannot be taken though its type and id can be read. */
+json_t *vvi_message_read(const char **flaw, bool *no_memory, const char *text, size_t n);
 
 /* edit_again.c --------------------------------------------------------------------------------------------------- */
 
