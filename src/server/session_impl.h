@@ -169,7 +169,8 @@ struct vvi_session {
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
-    _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
+    _Atomic uint64_t coming;        /* bytes that are there of uploads without a name, and of what is being written */
+    _Atomic uint64_t written;       /* bytes of files outside that pages have written, beyond those in their place */
     uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
     int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
@@ -373,11 +374,24 @@ bool vvi_files_is_data_folder(const char *name, const vv_registry *registry);
 
 /** What earlier sessions have left is not counted. */
 void vvi_session_begin_room(vvi_session *session);
-/** VV_E_LIMIT: so many bytes more would be more than uploads, samples and pictures may take (session_bytes),
- * or than the disk has for them. Any thread. */
+/** VV_E_LIMIT: so many bytes more would be more than uploads, samples, pictures and what pages write may take
+ * (session_bytes), or than the disk has for them. Any thread. */
 vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
 /** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
 vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
+
+/** What a page writes below the root: it comes out of the same room, all that is beyond what it replaces. */
+typedef struct vvi_disk_share {
+    vvi_session *session;
+    uint64_t others;   /* bytes in the session's folder when it began */
+    uint64_t disk;     /* that its disk had for it then */
+    uint64_t replaced; /* that are there under its name */
+    _Atomic uint64_t taken;
+} vvi_disk_share;
+/** Before the file or folder is written by the job; VV_E_LIMIT: there is no room for any. Any thread. */
+vv_status vvi_disk_share_begin(vvi_disk_share *out, vvi_session *session, const char *path, vv_job *job);
+/** When it is written, or has failed. The status. */
+vv_status vvi_disk_share_end(vvi_disk_share *share, vv_status status, vv_job *job);
 
 /* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 
