@@ -72,6 +72,7 @@ struct vvi_client {
     uint64_t numbers;    /* of frames */
     uint64_t wishes;     /* so often was the view to be drawn again */
     bool tells_outdated; /* that frame is final no more, and was not said to be */
+    bool broke;          /* the frame that is under way was broken off */
     bool told_final;     /* nothing better than the frame that was sent last would come, it was told */
     bool told_failed;    /* no frame would come, it was told */
     vvi_painted sent, waiting;
