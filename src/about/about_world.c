@@ -13,6 +13,7 @@ static void list_ids(vv_answer *a, const char *label, const vv_collection *colle
         vvi_text_printf(&text, "%s%s", i ? ", " : "", collection->entry[i].id);
     }
     vvi_tell_close(a, "]");
+    a->bad |= text.bad;
     vvi_tell_line(a, label, "%s", text.n ? text.s : "none");
     vvi_text_free(&text);
 }
@@ -103,6 +104,7 @@ static void list_measurements(vv_answer *a, const vv_collection *stored)
         vvi_text_printf(&text, "%s%s (%s)", i ? ", " : "", stored->entry[i].id, what);
     }
     vvi_tell_close(a, "]");
+    a->bad |= text.bad;
     if (text.n)
         vvi_tell_line(a, "measurements", "%s", text.s);
     vvi_text_free(&text);
