@@ -158,15 +158,19 @@ static vv_status count_write(void *user, uint64_t bytes)
 
 vv_status vvi_disk_share_begin(vvi_disk_share *out, vvi_session *s, const char *path, vv_job *job)
 {
+    struct stat info;
     const char *slash = strrchr(path, '/');
     char *folder = vvi_asprintf("%.*s", slash && slash > path ? (int)(slash - path) : 1, slash ? path : ".");
     const uint64_t all = weigh(s).all;
     if (!folder)
         return vv_fail_memory(strlen(path));
+    /* a folder that is no volume is not replaced, however much is in it */
+    const bool may_be = stat(path, &info) != 0 || !S_ISDIR(info.st_mode) ||
+                        vvi_files_is_data_folder(slash ? slash + 1 : path, vv_runtime_registry(s->options.runtime));
     *out = (vvi_disk_share){.session = s,
                             .others = all > s->kept_before ? all - s->kept_before : 0,
                             .disk = room_on_disk(folder),
-                            .replaced = weight_of_place(AT_FDCWD, path, 0)};
+                            .replaced = may_be ? weight_of_place(AT_FDCWD, path, 0) : 0};
     free(folder);
     vvi_job_count_writes(job, count_write, out);
     return vvi_session_has_room(s, out->replaced ? 0 : VVI_FILE_LEAST);
