@@ -112,7 +112,7 @@ class Page:
         self.world, self.memory, self.answers = None, 0, {}
         self.share, self.period, self.offset, self.was_moving = 0, 8, 0, False
         self.waits_since, self.next_motion, self.angle = None, 0, 0
-        self.inbox, self.outbox = bytearray(), b""
+        self.inbox, self.parts, self.outbox = bytearray(), bytearray(), b""
         self.rate, self.budget, self.asked, self.began = None, 0, time.monotonic(), 0
         self.forget()
         server = crowd.server
@@ -223,10 +223,13 @@ class Page:
             n, head = struct.unpack_from(">Q", box, 2)[0], 10
         if len(box) < head + n:
             return False
-        code, data = box[0] & 15, bytes(box[head:head + n])
+        code, last, data = box[0] & 15, box[0] & 128, bytes(box[head:head + n])
         del box[:head + n]
-        if code == 2:
-            self.take_frame(data)
+        if code == 2 or code == 0:
+            self.parts += data
+            if last:
+                data, self.parts = bytes(self.parts), bytearray()
+                self.take_frame(data)
         elif code == 1:
             self.take_text(data)
         elif code == 9:
@@ -239,6 +242,9 @@ class Page:
         now = time.monotonic()
         head = HEAD.unpack_from(data)
         self.send(message(f'{{"type":"ack","frame":{head[3]}}}'))
+        if not data.endswith((b"\xff\xd9", b"IEND\xaeB`\x82")): # it was broken off: one that this line carries follows
+            self.asked = now
+            return
         if head[2] & 2: # it left after the one before was acknowledged, and after the hand began: it is at most so old
             self.staleness.append(now - max(self.asked, self.began) + head[11] / 1000)
         self.asked = now

@@ -67,6 +67,7 @@ vv_status cli_command_start(cli_command *command)
         return st;
     if (command->keeps_existing)
         vvi_job_keep_existing(command->job);
+    vvi_job_has_overwrite(command->job);
     cli_signals_watch(command->job);
     return command->watch ? cli_watch_begin(command->watch, command) : VV_OK;
 }

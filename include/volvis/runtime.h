@@ -36,7 +36,7 @@ typedef struct vv_limits {
     uint64_t import_bytes;    /**< of address space in the import program */
     uint64_t import_spool;    /**< bytes of a temporary file */
     uint64_t undo_bytes;      /**< that a model keeps to undo with; an eighth of the memory limit at most */
-    uint64_t session_bytes;   /**< on the disk, of what pages make and bring */
+    uint64_t session_bytes;   /**< on the disk, of what pages make, bring and write */
     uint64_t
         expansion_mesh; /**< how many times larger a mesh may be than its file, by objects that stand in many places */
 } vv_limits;

@@ -1,5 +1,6 @@
 /* What a World has. */
 #include "about/about.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/property_impl.h"
 
@@ -12,6 +13,7 @@ static void list_ids(vv_answer *a, const char *label, const vv_collection *colle
         vvi_text_printf(&text, "%s%s", i ? ", " : "", collection->entry[i].id);
     }
     vvi_tell_close(a, "]");
+    a->bad |= text.bad;
     vvi_tell_line(a, label, "%s", text.n ? text.s : "none");
     vvi_text_free(&text);
 }
@@ -25,7 +27,8 @@ static const char *text_or(const char *text, const char *other)
 static void print_inputs(vvi_text *out, const vv_dataset *d)
 {
     const char *name;
-    json_t *value, *inputs = json_loads(text_or(d->inputs, "{}"), 0, NULL);
+    json_t *value, *inputs = vvi_json_of_own(text_or(d->inputs, "{}"));
+    out->bad |= !inputs;
     const size_t n = json_object_size(inputs);
     if (n == 0)
         vvi_text_add(out, text_or(d->source, "nothing"));
@@ -40,13 +43,15 @@ static void print_inputs(vvi_text *out, const vv_dataset *d)
 static void print_parameters(vvi_text *out, const vv_dataset *d)
 {
     const char *name;
-    json_t *value, *parameters = json_loads(text_or(d->parameters, "{}"), 0, NULL);
+    json_t *value, *parameters = vvi_json_of_own(text_or(d->parameters, "{}"));
+    out->bad |= !parameters;
     json_object_foreach(parameters, name, value)
     {
         vvi_json json = {0};
         vvi_text_printf(out, "%s%s ", out->n ? ", " : ": ", name);
         vvi_json_tree(&json, value);
         vvi_text_add(out, json_is_string(value) ? json_string_value(value) : text_or(json.text.s, ""));
+        out->bad |= json.text.bad;
         vvi_text_free(&json.text);
     }
     json_decref(parameters);
@@ -63,6 +68,7 @@ static void list_made(vv_answer *a, const vv_collection *datasets)
             continue;
         print_inputs(&inputs, d);
         print_parameters(&parameters, d);
+        a->bad |= inputs.bad || parameters.bad;
         vvi_tell_line(a, "made", "%s: %s of %s%s%s", datasets->entry[i].id, d->operation, text_or(inputs.s, ""),
                       text_or(parameters.s, ""), d->on ? "" : " (off)");
         vvi_tell_open(a, NULL, "{");
@@ -98,6 +104,7 @@ static void list_measurements(vv_answer *a, const vv_collection *stored)
         vvi_text_printf(&text, "%s%s (%s)", i ? ", " : "", stored->entry[i].id, what);
     }
     vvi_tell_close(a, "]");
+    a->bad |= text.bad;
     if (text.n)
         vvi_tell_line(a, "measurements", "%s", text.s);
     vvi_text_free(&text);

@@ -113,6 +113,17 @@ void vvi_job_tell_read(vv_job *job, const char *path)
     pthread_mutex_unlock(&job->lock);
 }
 
+void vvi_job_count_writes(vv_job *job, vvi_write_counter *fn, void *user)
+{
+    job->on_write = fn;
+    job->on_write_user = user;
+}
+
+vv_status vvi_job_count_write(vv_job *job, uint64_t bytes)
+{
+    return job && job->on_write ? job->on_write(job->on_write_user, bytes) : VV_OK;
+}
+
 void vvi_job_listen_warnings(vv_job *job, vv_log_fn *fn, void *user)
 {
     job->on_warning = fn;
@@ -162,6 +173,17 @@ void vvi_job_keep_existing(vv_job *job)
 bool vvi_job_keeps_existing(const vv_job *job)
 {
     return job && job->keeps_existing;
+}
+
+void vvi_job_has_overwrite(vv_job *job)
+{
+    if (job)
+        job->has_overwrite = true;
+}
+
+const char *vvi_job_or_overwrite(const vv_job *job)
+{
+    return job && job->has_overwrite ? ", or give --overwrite" : "";
 }
 
 bool vvi_job_keeps_fills(const vv_job *job)

@@ -54,9 +54,24 @@ void vvi_job_tell_read(vv_job *job, const char *path);
 void vvi_job_keep_fills(vv_job *job);
 bool vvi_job_keeps_fills(const vv_job *job);
 
+/** Counts what is written to files, before it is: so many bytes more, of a file VVI_FILE_LEAST at once. What it
+ * refuses, with a sentence, is not written, and its target stays as it is. From any thread. */
+typedef vv_status vvi_write_counter(void *user, uint64_t bytes);
+/** A file takes no less of a disk, however few bytes it has: an entry, an inode, and many have a folder of their own.
+ */
+enum { VVI_FILE_LEAST = 8192 };
+/** NULL: nobody counts. Set it while no work runs. */
+void vvi_job_count_writes(vv_job *job, vvi_write_counter *fn, void *user);
+vv_status vvi_job_count_write(vv_job *job, uint64_t bytes);
+
 /** What it writes takes the place of nothing that is there, not even of what appears meanwhile: VV_E_WRITE instead. */
 void vvi_job_keep_existing(vv_job *job);
 bool vvi_job_keeps_existing(const vv_job *job);
+
+/** Who asked has the word --overwrite: refusals to replace a file name it. */
+void vvi_job_has_overwrite(vv_job *job);
+/** ", or give --overwrite", or nothing: the end of such a sentence. */
+const char *vvi_job_or_overwrite(const vv_job *job);
 
 /** The registry of the job's runtime; the built-in one for NULL. */
 const struct vv_registry *vvi_job_registry(const vv_job *job);

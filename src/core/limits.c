@@ -58,7 +58,7 @@ static const limit_row rows[] = {
      offsetof(vv_limits, import_spool), 0, (uint64_t)1 << 60, true},
     {"undo_bytes", "bytes that are kept to undo with, in view and serve", offsetof(vv_limits, undo_bytes), 65536,
      (uint64_t)1 << 60, true},
-    {"session_bytes", "bytes of uploads, samples and pictures on the disk, in view and serve",
+    {"session_bytes", "bytes of uploads, samples, pictures and files that pages write, in view and serve",
      offsetof(vv_limits, session_bytes), 0, (uint64_t)1 << 60, true},
     {"expansion_mesh", "factor by which objects in many places may make a mesh larger than its file",
      offsetof(vv_limits, expansion_mesh), 1, (uint64_t)1 << 32, false},

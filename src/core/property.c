@@ -1,4 +1,5 @@
 /* Objects: made, shared, copied, compared. */
+#include "core/json_text.h"
 #include "core/property_impl.h"
 #include <string.h>
 
@@ -145,7 +146,7 @@ bool vv_object_equal(const vv_object *a, const vv_object *b)
 
 static vv_status extra_own(vv_object *object)
 {
-    json_t *own = object->extra ? json_copy(object->extra) : json_object();
+    json_t *own = object->extra ? vvi_json_copy_object(object->extra) : json_object();
     if (!own)
         return vv_fail_memory(sizeof(json_t *));
     json_decref(object->extra);

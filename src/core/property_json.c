@@ -1,25 +1,25 @@
 /* JSON to objects: parsed within the limits, then read strictly. */
+#include "core/json_text.h"
 #include "core/property_impl.h"
 #include "core/units.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static vv_status fail_syntax(const json_error_t *error, const vvi_place *place)
+static vv_status fail_syntax(const vvi_json_flaw *flaw, size_t length, const vvi_place *place)
 {
-    const enum json_error_code code = json_error_code(error);
-    if (code == json_error_out_of_memory || code == json_error_unknown) /* it says nothing of some failed allocations */
-        return vv_fail_memory(JSON_ERROR_TEXT_LENGTH);
+    if (flaw->fault == VVI_JSON_MEMORY)
+        return vv_fail_memory(length);
     if (place)
-        return vvi_fail_place(place, VV_E_ARGUMENT, "not valid JSON: column %d: %s", error->column, error->text);
+        return vvi_fail_place(place, VV_E_ARGUMENT, "not valid JSON: column %d: %s", flaw->column, flaw->text);
     char where[48];
-    snprintf(where, sizeof where, "%d:%d", error->line, error->column);
-    return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", error->text);
+    snprintf(where, sizeof where, "%d:%d", flaw->line, flaw->column);
+    return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", flaw->text);
 }
 
 vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vvi_place *place)
 {
-    json_error_t error = {0}; /* jansson sets its code not always */
+    vvi_json_flaw flaw;
     *out = NULL;
     if (length > VVI_JSON_BYTES)
         return vvi_fail_place(place, VV_E_LIMIT, "the document is %zu bytes long: at most %d are allowed", length,
@@ -31,8 +31,8 @@ vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vv
     if (vvi_json_tree_bytes(text, length) > VVI_JSON_TREE_BYTES + 2 * (uint64_t)length)
         return vvi_fail_place(place, VV_E_LIMIT, "the document holds so many values that they would take %llu MiB",
                               (unsigned long long)(vvi_json_tree_bytes(text, length) >> 20));
-    *out = json_loadb(text, length, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
-    return *out ? VV_OK : fail_syntax(&error, place);
+    *out = vvi_json_decode(text, length, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &flaw);
+    return *out ? VV_OK : fail_syntax(&flaw, length, place);
 }
 
 /* Names of files are any bytes. */

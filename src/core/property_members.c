@@ -1,4 +1,5 @@
 /* Free JSON objects: what only others can judge, kept as compact text and reached into by paths. */
+#include "core/json_text.h"
 #include "core/property_impl.h"
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +13,7 @@ static const char *text_of(const vv_object *object, const vv_property *p)
 json_t *vvi_members_tree(const vv_object *object, const vv_property *p)
 {
     const char *text = text_of(object, p);
-    return text ? json_loads(text, JSON_ALLOW_NUL, NULL) : json_object();
+    return text ? vvi_json_decode(text, strlen(text), JSON_ALLOW_NUL, NULL) : json_object();
 }
 
 /* Takes the tree's text; a tree without members is kept too: it says that there are none. */

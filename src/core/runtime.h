@@ -87,6 +87,7 @@ struct vv_job {
     bool urgent, modest;
     bool keeps_fills;         /**< vvi_job_keep_fills() */
     bool keeps_existing;      /**< vvi_job_keep_existing() */
+    bool has_overwrite;       /**< vvi_job_has_overwrite() */
     _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */
     _Atomic uint64_t cleared; /**< the folder that was cleared of temporary files last, hashed */
     atomic_int hushed;
@@ -98,6 +99,8 @@ struct vv_job {
     size_t n_read, room_read;
     void (*on_read)(void *user, const char *path); /**< vvi_read_listener; called under the lock */
     void *on_read_user;
+    vv_status (*on_write)(void *user, uint64_t bytes); /**< vvi_write_counter; NULL: nobody counts */
+    void *on_write_user;
     vv_log_fn *on_warning; /**< vvi_job_listen_warnings(); called under the lock */
     void *on_warning_user;
     vv_finding *findings; /**< n_findings; of the thread that runs the job's work */

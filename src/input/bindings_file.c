@@ -1,5 +1,6 @@
 /* Bindings laid over those that VolVis has, and the lines that errors name. */
 #include "core/job.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/property_impl.h"
 #include "core/text.h"
@@ -16,12 +17,12 @@ static json_t *row_of(const vvi_default_binding *d)
 {
     json_t *row = json_pack("{s:s}", "device", d->device);
     if (d->when)
-        json_object_set_new(row, "when", json_string(d->when));
-    json_object_set_new(row, "method", json_string(d->method));
+        vvi_json_put(&row, "when", json_string(d->when));
+    vvi_json_put(&row, "method", json_string(d->method));
     if (d->action)
-        json_object_set_new(row, "action", json_string(d->action));
+        vvi_json_put(&row, "action", json_string(d->action));
     if (d->gain != 0)
-        json_object_set_new(row, "gain", json_real(d->gain));
+        vvi_json_put(&row, "gain", json_real(d->gain));
     return row;
 }
 
@@ -29,7 +30,7 @@ static json_t *default_rows(void)
 {
     json_t *rows = json_object();
     for (const vvi_default_binding *d = vvi_default_rows; d->name; d++)
-        json_object_set_new(rows, d->name, row_of(d));
+        vvi_json_put(&rows, d->name, row_of(d));
     return rows;
 }
 
@@ -42,7 +43,7 @@ static char *print(const json_t *rows)
     vvi_text_add(&text, "{\"bindings\": {");
     json_object_foreach((json_t *)rows, name, row)
     {
-        char *line = json_dumps(row, JSON_REAL_PRECISION(15));
+        char *line = vvi_json_encode(row, JSON_REAL_PRECISION(15));
         text.bad |= !line;
         vvi_text_printf(&text, "%s\n", before);
         vvi_text_json(&text, name);
@@ -161,7 +162,7 @@ static vv_status fail_row(const laid *l, const char *name, const char *property)
 
 static vv_status check_row(const json_t *row, const char *name, const laid *l)
 {
-    char *json = json_dumps(row, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    char *json = vvi_json_encode(row, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     vv_object *object = NULL;
     if (!json)
         return vv_fail_memory(256);
@@ -242,7 +243,11 @@ static vv_status lay(json_t *rows, const json_t *over, const laid *l)
         if (!json_is_null(row))
             unbind(rows, row);
     }
-    json_object_foreach((json_t *)over, name, row) if (!json_is_null(row)) json_object_set(rows, name, row);
+    json_object_foreach((json_t *)over, name, row)
+    {
+        if (st == VV_OK && !json_is_null(row) && json_object_set(rows, name, row) != 0)
+            st = vv_fail_memory(strlen(name));
+    }
     return st;
 }
 

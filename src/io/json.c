@@ -1,4 +1,5 @@
 #include "io/json.h"
+#include "core/json_text.h"
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/text.h"
@@ -91,18 +92,19 @@ static void replace_large(vvi_text *out, const char *text, size_t n)
     vvi_text_add_n(out, text + done, n - done);
 }
 
-static json_t *load_large(const char *text, size_t n, json_error_t *error)
+static json_t *load_large(const char *text, size_t n, vvi_json_flaw *flaw)
 {
     vvi_text replaced = {0};
     replace_large(&replaced, text, n);
-    json_t *tree = replaced.bad ? NULL : json_loadb(replaced.s, replaced.n, 0, error);
+    flaw->fault = VVI_JSON_MEMORY;
+    json_t *tree = replaced.bad ? NULL : vvi_json_decode(replaced.s, replaced.n, 0, flaw);
     vvi_text_free(&replaced);
     return tree;
 }
 
 vv_status vvi_json_read_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
 {
-    json_error_t error = {0};
+    vvi_json_flaw flaw;
     char where[48];
     const uint64_t most = vvi_job_limits(job)->nesting;
     if ((uint64_t)vvi_json_nesting(text, n) > most)
@@ -115,15 +117,15 @@ vv_status vvi_json_read_text(json_t **out, char *text, size_t n, const char *nam
                           "header_bytes=N allows %d times as much)",
                           (unsigned long long)(tree >> 20), (unsigned long long)(room >> 20), TREE_HEADERS);
     replace_python_words(text, n);
-    *out = json_loadb(text, n, 0, &error);
+    *out = vvi_json_decode(text, n, 0, &flaw);
     /* numbers past 64 bits: the largest unsigned one is a usual fill value */
-    if (!*out && json_error_code(&error) == json_error_numeric_overflow)
-        *out = load_large(text, n, &error);
-    if (!*out && json_error_code(&error) == json_error_out_of_memory)
+    if (!*out && flaw.fault == VVI_JSON_LARGE)
+        *out = load_large(text, n, &flaw);
+    if (!*out && flaw.fault == VVI_JSON_MEMORY)
         return vv_fail_memory(n);
-    snprintf(where, sizeof where, "%d:%d", error.line, error.column);
+    snprintf(where, sizeof where, "%d:%d", flaw.line, flaw.column);
     if (!*out)
-        return vv_fail_at(VV_E_FORMAT, name, where, "is not JSON: %s", error.text);
+        return vv_fail_at(VV_E_FORMAT, name, where, "is not JSON: %s", flaw.text);
     if (json_is_object(*out))
         return VV_OK;
     json_decref(*out);

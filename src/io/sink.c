@@ -81,10 +81,24 @@ static vv_status keep(vv_sink *s, const uint8_t *data, size_t n)
     return VV_OK;
 }
 
+vv_status vvi_sink_count(vv_sink *s, uint64_t bytes)
+{
+    const uint64_t all = bytes > VVI_FILE_LEAST ? bytes : VVI_FILE_LEAST;
+    if (!s->path || all <= s->counted)
+        return VV_OK;
+    const vv_status st = vvi_job_count_write(s->job, all - s->counted);
+    s->counted = all;
+    s->failed |= st != VV_OK;
+    return st;
+}
+
 vv_status vvi_sink_out(vv_sink *s, const uint8_t *data, size_t n)
 {
     if (s->in_memory)
         return n ? keep(s, data, n) : VV_OK;
+    const vv_status counted = vvi_sink_count(s, s->written + n);
+    if (counted != VV_OK)
+        return counted;
     while (n > 0) {
         const ssize_t done = write(s->fd, data, n < ((size_t)1 << 30) ? n : (size_t)1 << 30);
         if (done < 0 && errno == EINTR) {

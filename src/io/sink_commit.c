@@ -23,7 +23,8 @@ static vv_status spare_input(const vv_sink *s)
         !vvi_job_has_read(s->job, (uint64_t)info.st_dev, (uint64_t)info.st_ino))
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
-                      "would be replaced, and samples were read from it; choose another name, or give --overwrite");
+                      "would be replaced, and samples were read from it; choose another name%s",
+                      vvi_job_or_overwrite(s->job));
 }
 
 /* Nor is what a header other than its own (NULL: it has none) names as its data. */
@@ -37,8 +38,8 @@ static vv_status spare_header(const vv_sink *s, const char *own)
         return VV_OK;
     const vv_status st = vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
                                     "would be replaced, and '%.200s' beside it names it as its data; choose another "
-                                    "name, or give --overwrite",
-                                    header);
+                                    "name%s",
+                                    header, vvi_job_or_overwrite(s->job));
     free(header);
     return st;
 }
@@ -83,6 +84,13 @@ vv_status vvi_sink_fail_existing(const char *name)
 
 /* Committing ----------------------------------------------------------------------------------------------------- */
 
+/* What a library wrote to it by itself is seen in the end. */
+static vv_status count_all(vv_sink *s)
+{
+    struct stat info;
+    return s->path && fstat(s->fd, &info) == 0 ? vvi_sink_count(s, (uint64_t)info.st_size) : VV_OK;
+}
+
 static vv_status settle(vv_sink *s)
 {
     vv_status st = vvi_sink_coding(s, VVI_CODING_NONE, 0);
@@ -90,7 +98,7 @@ static vv_status settle(vv_sink *s)
         return st;
     if (s->failed)
         return vv_fail_at(VV_E_WRITE, s->name, NULL, "is not written: an earlier write failed");
-    if ((st = vvi_sink_copy_library(s)) != VV_OK)
+    if ((st = vvi_sink_copy_library(s)) != VV_OK || (st = count_all(s)) != VV_OK)
         return st;
     if (s->path && fsync(s->fd) != 0)
         return vvi_sink_fail(s, "syncing", errno);

@@ -290,6 +290,11 @@ static void make_parents(const vvi_sink_folder *f, const char *name)
 
 static vv_status write_all(vvi_sink_folder *f, int fd, const char *name, const uint8_t *data, size_t n)
 {
+    const vv_status counted = vvi_job_count_write(f->job, n > VVI_FILE_LEAST ? n : VVI_FILE_LEAST);
+    if (counted != VV_OK) {
+        atomic_store(&f->failed, true);
+        return counted;
+    }
     while (n > 0) {
         const ssize_t done = write(fd, data, n < ((size_t)1 << 30) ? n : (size_t)1 << 30);
         vv_status st;

@@ -23,7 +23,7 @@ struct vv_sink {
     size_t n_plain;
     vvi_encoder *encoder;
     uint8_t *coded;
-    uint64_t written;
+    uint64_t written, counted; /* counted: vvi_job_count_write() */
     bool failed, spares_inputs;
     bool placed; /* it has its name */
     vv_sink *beside, *next;
@@ -37,6 +37,8 @@ struct vv_sink {
 vv_status vvi_sink_fail(vv_sink *sink, const char *doing, int error);
 /** One alone, without those beside it. */
 void vvi_sink_free(vv_sink *sink);
+/** Its file is going to be so long; on failure nothing is committed. */
+vv_status vvi_sink_count(vv_sink *sink, uint64_t bytes);
 /** Bytes as they are, past the encoder. */
 vv_status vvi_sink_out(vv_sink *sink, const uint8_t *data, size_t n);
 /** Where files are written in some places alone, the folder that *path lies in is held, and *path becomes one by the

@@ -219,9 +219,9 @@ static vv_status spare_data(const vv_sink *first, const char *path, const char *
     struct stat info;
     if (!first->spares_inputs || stat(path, &info) != 0 || stat(first->path, &info) == 0)
         return VV_OK;
-    return vv_fail_at(
-        VV_E_ARGUMENT, name, NULL,
-        "already exists, and may be the data of another header; choose another name, or give --overwrite");
+    return vv_fail_at(VV_E_ARGUMENT, name, NULL,
+                      "already exists, and may be the data of another header; choose another name%s",
+                      vvi_job_or_overwrite(first->job));
 }
 
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)

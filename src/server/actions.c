@@ -1,4 +1,5 @@
 /* What is asked for by name. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "manipulate/directions.h"
 #include "server/session_impl.h"
@@ -15,9 +16,10 @@ static void look_from(vvi_client *client, double azimuth, double elevation, int6
     char *path = vvi_asprintf("views.%s.camera", client->view);
     json_t *camera = json_pack("{s:f, s:f}", "azimuth", azimuth, "elevation", elevation);
     if (pose->parallel)
-        json_object_set_new(camera, "projection", json_string("parallel"));
+        vvi_json_put(&camera, "projection", json_string("parallel"));
     json_t *edits = json_pack("[{s:s, s:s, s:o}]", "op", "set", "path", path ? path : "", "value", camera);
-    if (vvi_session_edit(client->session, VVI_CAMERA, edits, true) != VV_OK)
+    if ((edits ? VV_OK : vv_fail_memory(256)) != VV_OK ||
+        vvi_session_edit(client->session, VVI_CAMERA, edits, true) != VV_OK)
         vvi_client_notice(client, "error", vv_error_last()->message);
     vvi_client_stand_anew(client);
     client->moved = client->event = now;

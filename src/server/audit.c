@@ -1,4 +1,5 @@
 #include "server/audit.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/result.h"
 #include "server/line_file.h"
@@ -143,7 +144,7 @@ void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const cha
 /* A text of an object that a message has; others, cut off, as JSON. */
 static void note_value(vvi_audit *audit, vvi_actor who, const char *what, const json_t *value, bool refused)
 {
-    char *text = json_is_string(value) ? vvi_strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
+    char *text = json_is_string(value) ? vvi_strdup(json_string_value(value)) : vvi_json_encode(value, JSON_ENCODE_ANY);
     if (text && strlen(text) > OBJECT_MOST)
         text[OBJECT_MOST] = 0;
     vvi_audit_note(audit, who, what, text, refused);

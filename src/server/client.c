@@ -1,4 +1,5 @@
 /* One who looks: coming and going, and the frames of its view. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/session_impl.h"
 
@@ -172,7 +173,7 @@ vv_status vvi_client_save_camera(vvi_client *client)
     client->unsaved = false;
     char path[3][VVI_VIEW_NAME + 32];
     char *camera = vvi_camera_json(&vvi_input_device(client->input)->slot[0].pose, client->width, client->height);
-    json_t *value = camera ? json_loads(camera, 0, NULL) : NULL;
+    json_t *value = camera ? vvi_json_of_own(camera) : NULL;
     free(camera);
     snprintf(path[0], sizeof path[0], "views.%s.width", client->view);
     snprintf(path[1], sizeof path[1], "views.%s.height", client->view);

@@ -275,8 +275,25 @@ static void write_head(uint8_t head[32], const vvi_painted *p, bool final, uint6
     put32(head + 28, bits);
 }
 
+/* It was made when less was known of the line, or the line is not what it was: one that has less is made in its place.
+ */
+static bool is_too_large(const vvi_client *client)
+{
+    const vvi_painted *p = &client->waiting;
+    return client->box.waiting && !client->box.under_way && !p->moving && !p->reduced &&
+           vvi_pace_is_known(&client->pace) && p->n > vvi_pace_room(&client->pace) &&
+           !vvi_pace_carries(&client->pace, p->n);
+}
+
 static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
 {
+    if (is_too_large(client)) {
+        vvi_painted_free(&client->waiting);
+        client->waiting = (vvi_painted){.n = 0};
+        client->box.waiting = 0;
+        vvi_client_want(client, false, now);
+        return false;
+    }
     const uint64_t number = vvi_outbox_send(&client->box, now);
     if (!number)
         return false;
@@ -286,6 +303,7 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
     write_head(out->head, p, client->told_final, number, now);
     out->bytes = p->bytes;
     out->n = p->n;
+    out->breaks = !p->moving && !vvi_pace_is_known(&client->pace);
     p->bytes = NULL;
     client->pixels = (int64_t)p->size[0] * p->size[1];
     client->seconds = p->moving ? p->seconds : 0;
@@ -293,6 +311,15 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
     client->sent = *p;
     *p = (vvi_painted){.n = 0};
     return true;
+}
+
+/* The page has less than a final picture, and will not show it; how long it took tells what the line carries. */
+void vvi_client_broke(vvi_client *client, size_t n)
+{
+    client->broke = client->sent.reduced = true;
+    client->told_final = false;
+    client->sent.n -= n;
+    vvi_outbox_broke(&client->box, n);
 }
 
 /* How things stand, as far as it has changed; NULL: as it was told. */

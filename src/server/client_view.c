@@ -1,4 +1,5 @@
 /* Which view of the World a client gets. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "model/context.h"
 #include "server/session_impl.h"
@@ -116,7 +117,7 @@ static vv_status add_view_of(vv_object **root, const vvi_client *client, const c
                              const vv_property_context *context)
 {
     json_t *value = new_view(client->plane, registry_of(client));
-    char *json = value ? json_dumps(value, JSON_COMPACT) : NULL;
+    char *json = value ? vvi_json_encode(value, JSON_COMPACT) : NULL;
     const vv_status st = json ? vv_path_add(root, "views", client->view, like && !client->plane ? like : json, context)
                               : vv_fail_memory(64);
     free(json);

@@ -1,5 +1,6 @@
 /* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
 #include "core/allowed_places.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/property_size.h"
 #include "core/units.h"
@@ -21,7 +22,7 @@ static const char *text_of(const json_t *object, const char *key)
 static char *value_of(const json_t *edit)
 {
     const json_t *value = json_object_get(edit, "value");
-    return value ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
+    return value ? vvi_json_encode(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
 }
 
 static vv_status apply(vv_model *model, const char *who, const json_t *edit)
@@ -344,7 +345,7 @@ static vv_status replay_scene(vvi_session *session, const char *who, const json_
 {
     vv_world *world = NULL;
     vv_job *job = NULL;
-    char *text = json_dumps(scene, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    char *text = vvi_json_encode(scene, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     if (!text)
         return vv_fail_memory(1024);
     vv_status st = vv_job_new(&job, session->options.runtime, NULL, NULL);

@@ -48,8 +48,13 @@ void vvi_framing_forget(vvi_framing *framing)
 
 size_t vvi_framing_head(uint8_t out[10], int kind, size_t n)
 {
+    return vvi_framing_part(out, kind, n, true);
+}
+
+size_t vvi_framing_part(uint8_t out[10], int kind, size_t n, bool last)
+{
     const size_t n_length = n < 126 ? 0 : n < 65536 ? 2 : 8;
-    out[0] = (uint8_t)(0x80 | kind);
+    out[0] = (uint8_t)((last ? 0x80 : 0) | kind);
     out[1] = (uint8_t)(n_length == 0 ? n : n_length == 2 ? 126 : 127);
     for (size_t i = 0; i < n_length; i++)
         out[2 + i] = (uint8_t)((uint64_t)n >> (8 * (n_length - 1 - i)));

@@ -52,8 +52,17 @@ void vvi_framing_clear(vvi_framing *framing);
 void vvi_framing_forget(vvi_framing *framing);
 /** The head of a frame of ours, of n bytes; returns its length. */
 size_t vvi_framing_head(uint8_t out[10], int kind, size_t n);
+/** The same of a message in parts: the first has its kind, the others VVI_FRAME_MORE. */
+size_t vvi_framing_part(uint8_t out[10], int kind, size_t n, bool last);
 /** Kinds of frames. */
-enum { VVI_FRAME_TEXT = 1, VVI_FRAME_BINARY = 2, VVI_FRAME_CLOSE = 8, VVI_FRAME_PING = 9, VVI_FRAME_PONG = 10 };
+enum {
+    VVI_FRAME_MORE = 0,
+    VVI_FRAME_TEXT = 1,
+    VVI_FRAME_BINARY = 2,
+    VVI_FRAME_CLOSE = 8,
+    VVI_FRAME_PING = 9,
+    VVI_FRAME_PONG = 10
+};
 /** Why a connection is closed, of the registry of WebSocket. */
 enum {
     VVI_CLOSE_GOES = 1000,

@@ -1,4 +1,5 @@
 #include "server/journal.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 
 #include <errno.h>
@@ -149,7 +150,7 @@ static vv_status put_instead(vvi_journal *j, const char *text, size_t n)
 /* The line with its end; NULL without memory. */
 static char *text_of(json_t *line, size_t *n)
 {
-    char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    char *text = line ? vvi_json_encode(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(line);
     *n = text ? strlen(text) + 1 : 0;
     if (text)
@@ -324,9 +325,12 @@ static vv_status play_all(playing *p, const vvi_journal *j, vv_status (*play)(vo
 {
     while (p->at < p->n) {
         const char *from = p->text + p->at, *end = memchr(from, '\n', p->n - p->at);
-        json_t *line = end ? json_loadb(from, (size_t)(end - from), 0, NULL) : NULL;
+        vvi_json_flaw flaw;
         if (!end)
             return VV_OK;
+        json_t *line = vvi_json_decode(from, (size_t)(end - from), 0, &flaw);
+        if (!line && flaw.fault == VVI_JSON_MEMORY) /* the line is well */
+            return vv_fail_memory((size_t)(end - from));
         const vv_status st = line ? play(user, line) : VV_E_FORMAT;
         const char *reason = line ? vv_error_last()->message : "is damaged";
         json_decref(line);

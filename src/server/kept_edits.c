@@ -2,6 +2,7 @@
  * and what cannot be written down is not done. Cameras are the exception: who looks is not kept from it by a full disk,
  * and writes nothing where pages can change nothing.
  */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/session_impl.h"
 
@@ -14,10 +15,10 @@ static json_t *line_of(const vvi_session *session, const vv_world *world)
     char *scene = NULL;
     json_t *given = json_array();
     for (size_t i = 0; i < session->n_given; i++)
-        json_array_append_new(given, json_string(session->given[i]));
+        vvi_json_append(&given, json_string(session->given[i]));
     if (vv_scene_print(&scene, world, NULL) != VV_OK)
         scene = NULL;
-    json_t *value = scene ? json_loads(scene, 0, NULL) : NULL;
+    json_t *value = scene ? vvi_json_of_own(scene) : NULL;
     free(scene);
     return json_pack("{s:s, s:o, s:o}", "who", "", "given", given, "scene", value);
 }
@@ -91,7 +92,7 @@ vv_status vvi_session_keep_world(vvi_session *session, const char *who, const vv
     if (!session->journal)
         return VV_OK;
     const vv_status st = vv_scene_print(&scene, world, NULL);
-    json_t *value = st == VV_OK ? json_loads(scene, 0, NULL) : NULL;
+    json_t *value = st == VV_OK ? vvi_json_of_own(scene) : NULL;
     free(scene);
     return st == VV_OK ? vvi_session_keep(session, who, json_pack("{s:s, s:o}", "who", who, "scene", value)) : st;
 }

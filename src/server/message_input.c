@@ -134,7 +134,10 @@ vv_status vvi_message_ack(vvi_client *client, int64_t id, const json_t *message,
     if (client->sent.reduced && !client->moving && vvi_pace_carries(&client->pace, client->sent.whole)) {
         client->wants_whole = true;
         vvi_client_want(client, false, now);
+    } else if (client->broke) {
+        vvi_client_want(client, false, now);
     }
+    client->broke = false;
     if (client->seconds > 0) {
         vvi_pace_took(&client->pace, client->pixels, client->seconds, travel);
         const double between = (double)(now - client->last_ack) * SECOND;

@@ -1,5 +1,6 @@
 /* The JSON of a page's messages, with numbers as pages write them. It is looked over first, so that it is read once,
  * whatever it has in it. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/session_impl.h"
 
@@ -83,41 +84,51 @@ static look look_over(const char *text, size_t n, char *changed)
     return found;
 }
 
-/* Ids, sizes and numbers of frames are integers again. */
-static void make_whole(json_t *message)
+/* Ids, sizes and numbers of frames are integers again. NULL: there is no memory. */
+static json_t *make_whole(json_t *message)
 {
     const char *key;
     json_t *value;
+    bool fine = true;
     json_object_foreach(message, key, value)
     {
         const double number = json_real_value(value);
         if (json_is_real(value) && fabs(number) < WHOLE && number == floor(number))
-            json_object_set_new(message, key, json_integer((json_int_t)number));
+            fine &= json_object_set_new(message, key, json_integer((json_int_t)number)) == 0;
     }
+    if (fine)
+        return message;
+    json_decref(message);
+    return NULL;
 }
 
-static json_t *read_without_infinite(const char *text, size_t n)
+static json_t *read_without_infinite(const char *text, size_t n, vvi_json_flaw *flaw)
 {
     char *copy = vvi_calloc(n + 1, 1);
+    flaw->fault = VVI_JSON_MEMORY;
     if (!copy)
         return NULL;
     memcpy(copy, text, n);
     look_over(text, n, copy);
-    json_t *message = json_loadb(copy, n, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_ALLOW_NUL, NULL);
+    json_t *message = vvi_json_decode(copy, n, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_ALLOW_NUL, flaw);
     free(copy);
     return message;
 }
 
-json_t *vvi_message_read(const char **flaw, const char *text, size_t n)
+json_t *vvi_message_read(const char **flaw, bool *no_memory, const char *text, size_t n)
 {
+    vvi_json_flaw why;
     const look found = look_over(text, n, NULL);
     const size_t flags = JSON_REJECT_DUPLICATES | (found.nul ? JSON_ALLOW_NUL : 0) |
                          (found.beyond || found.infinite || found.nul ? JSON_DECODE_INT_AS_REAL : 0);
     *flaw = found.infinite ? "a number is too large to compute with"
             : found.nul    ? "a text contains the character U+0000, which ends texts: leave it out"
                            : NULL;
-    json_t *message = found.infinite ? read_without_infinite(text, n) : json_loadb(text, n, flags, NULL);
-    if (flags & JSON_DECODE_INT_AS_REAL)
-        make_whole(message);
+    json_t *message = found.infinite ? read_without_infinite(text, n, &why) : vvi_json_decode(text, n, flags, &why);
+    *no_memory = !message && why.fault == VVI_JSON_MEMORY;
+    if (!message || !(flags & JSON_DECODE_INT_AS_REAL))
+        return message;
+    message = make_whole(message);
+    *no_memory = !message;
     return message;
 }

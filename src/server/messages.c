@@ -315,14 +315,17 @@ vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int
 {
     vvi_session_tick(client->session, now); /* what was due comes first, as when it is played again */
     const char *flaw;
-    json_t *message = vvi_message_read(&flaw, text, n);
+    bool no_memory;
+    json_t *message = vvi_message_read(&flaw, &no_memory, text, n);
     if (message && !flaw) /* else it does nothing */
         vvi_recording_says(client->session->recording, now, client->serial, message);
     const char *type = vvi_message_text(message, "type");
     const json_t *id = json_object_get(message, "id");
     vv_status st;
     client->refused = false;
-    if (!type || (id && (!json_is_integer(id) || json_integer_value(id) < 1)))
+    if (no_memory)
+        st = vv_fail_memory(n);
+    else if (!type || (id && (!json_is_integer(id) || json_integer_value(id) < 1)))
         st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type and, if it has one, an id above 0");
     else if (!client->greeted && strcmp(type, "hello") != 0)
         st = vv_fail(VV_E_FORMAT, "the first message must be hello");

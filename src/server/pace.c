@@ -55,6 +55,11 @@ size_t vvi_pace_room(const vvi_pace *pace)
     return room > 0 && room < 1e9 ? (size_t)room : SIZE_MAX;
 }
 
+bool vvi_pace_is_known(const vvi_pace *pace)
+{
+    return rate_of(pace) > 0;
+}
+
 bool vvi_pace_carries(const vvi_pace *pace, size_t bytes)
 {
     return WHOLE * rate_of(pace) >= (double)bytes;
@@ -125,6 +130,11 @@ void vvi_outbox_wrote(vvi_outbox *box, size_t bytes)
     box->bytes += bytes;
     if (!box->under_way && box->bytes > AHEAD)
         box->bytes = AHEAD;
+}
+
+void vvi_outbox_broke(vvi_outbox *box, size_t bytes)
+{
+    box->bytes -= bytes < box->bytes ? bytes : box->bytes;
 }
 
 double vvi_outbox_acknowledge(vvi_outbox *box, uint64_t frame, int64_t now)

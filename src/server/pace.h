@@ -29,6 +29,8 @@ void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel);
 /** Bytes that a picture at rest may have: what the line carries in five seconds. SIZE_MAX: it is not known. One hiccup
  * of the page is no thin line: the better of two frames counts. */
 size_t vvi_pace_room(const vvi_pace *pace);
+/** Whether some frame told how fast the line is. */
+bool vvi_pace_is_known(const vvi_pace *pace);
 /** Whether the line carries so many bytes in ten seconds: a picture at rest that had less is followed by the whole. */
 bool vvi_pace_carries(const vvi_pace *pace, size_t bytes);
 /** The size of the next frame while the view moves. A step smaller as soon as a frame takes too long; larger only where
@@ -48,6 +50,8 @@ uint64_t vvi_outbox_put(vvi_outbox *box, uint64_t frame);
 uint64_t vvi_outbox_send(vvi_outbox *box, int64_t now);
 /** So many bytes were sent, of a frame or of a text. */
 void vvi_outbox_wrote(vvi_outbox *box, size_t bytes);
+/** So many of them were not, after all. */
+void vvi_outbox_broke(vvi_outbox *box, size_t bytes);
 /** The page has a frame. Seconds that it took; below 0: it was not under way. */
 double vvi_outbox_acknowledge(vvi_outbox *box, uint64_t frame, int64_t now);
 /** Whether the page has been silent about a frame for so many seconds, and one more for every 10 kB that were sent: who

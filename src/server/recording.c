@@ -1,4 +1,5 @@
 #include "server/recording.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/line_file.h"
 #include "server/recording_impl.h"
@@ -62,7 +63,7 @@ char *vvi_recording_problem(const vvi_recording *r)
 
 static bool put_now(vvi_recording *r, json_t *line)
 {
-    char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    char *text = line ? vvi_json_encode(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(line);
     return vvi_line_file_put(&r->file, text);
 }
@@ -81,10 +82,14 @@ static void put(vvi_recording *r, json_t *line)
 void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings, const char *files)
 {
     char *scene = NULL;
-    json_t *rows = r ? json_loads(bindings, 0, NULL) : NULL;
-    if (r && vv_scene_print(&scene, world, NULL) == VV_OK)
-        put(r, json_pack("{s:i, s:o, s:O, s:s?}", VVI_RECORDING_HEAD, 1, "world", json_loads(scene, 0, NULL),
-                         "bindings", json_object_get(rows, "bindings"), "files", files));
+    if (!r)
+        return;
+    json_t *rows = vvi_json_of_own(bindings);
+    json_t *line = NULL;
+    if (vv_scene_print(&scene, world, NULL) == VV_OK)
+        line = json_pack("{s:i, s:o, s:O, s:s?}", VVI_RECORDING_HEAD, 1, "world", vvi_json_of_own(scene), "bindings",
+                         json_object_get(rows, "bindings"), "files", files);
+    put(r, line);
     json_decref(rows);
     free(scene);
 }

@@ -1,5 +1,6 @@
 /* Recordings of sessions that are played again, line by line. */
 #include "core/job.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/recording.h"
 #include "server/recording_impl.h"
@@ -141,7 +142,7 @@ static vv_status say(player *p, vvi_client *client, json_t *message)
     if (!is_one_of(message, changes))
         return VV_OK;
     name_samples(p, message);
-    char *text = json_dumps(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    char *text = vvi_json_encode(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         return vv_fail_memory(1024);
     const vv_status st = vvi_client_message(client, text, strlen(text), p->t);
@@ -209,7 +210,7 @@ static vv_status play_line(player *p, json_t *line)
 static vv_status bind(const player *p, json_t *rows)
 {
     json_t *all = rows ? json_pack("{s:O}", "bindings", rows) : NULL;
-    char *text = all ? json_dumps(all, JSON_REAL_PRECISION(17)) : NULL;
+    char *text = all ? vvi_json_encode(all, JSON_REAL_PRECISION(17)) : NULL;
     json_decref(all);
     if (rows && !text)
         return vv_fail_memory(1024);
@@ -244,7 +245,7 @@ static vv_status begin(player *p, const json_t *line)
         return fail_line(p, "a recording of a session begins with its World");
     if (!json_is_object(scene))
         return fail_line(p, "'world' is not a World; expected an object, {\"...\": ...}, as a scene file has it");
-    char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
+    char *text = vvi_json_encode(scene, JSON_REAL_PRECISION(17));
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);
     if (st == VV_OK &&
@@ -274,9 +275,12 @@ static vv_status play_all(player *p, FILE *file)
     char *text = vvi_alloc(p->job, LINE_MOST, VVI_MEM_SCRATCH);
     vv_status st = text ? VV_OK : vv_fail_memory(LINE_MOST);
     for (size_t n; st == VV_OK && (n = read_line(text, file)) > 0;) {
-        json_t *line = n < LINE_MOST ? json_loadb(text, n, 0, NULL) : NULL;
+        vvi_json_flaw flaw = {.fault = VVI_JSON_SYNTAX};
+        json_t *line = n < LINE_MOST ? vvi_json_decode(text, n, 0, &flaw) : NULL;
         p->line++;
-        if (!line)
+        if (!line && flaw.fault == VVI_JSON_MEMORY)
+            st = vv_fail_memory(n);
+        else if (!line)
             st = fail_line(p, n < LINE_MOST ? "is not JSON" : "is longer than 2 MiB");
         else
             st = p->line == 1 ? begin(p, line) : play_line(p, line);

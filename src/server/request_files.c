@@ -202,8 +202,11 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
 static vv_status run_save(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
+    vvi_disk_share share;
     vv_status st = vvi_request_keep_existing(r, job);
-    if (st != VV_OK || (st = vv_scene_write(r->path, r->world, job)) != VV_OK)
+    if (st == VV_OK && (st = vvi_disk_share_begin(&share, r->session, r->path, job)) == VV_OK)
+        st = vvi_disk_share_end(&share, vv_scene_write(r->path, r->world, job), job);
+    if (st != VV_OK)
         return vvi_request_note_exists(r, st);
     vvi_files_keep(r->session, r->world);
     vvi_request_tell_path(r);

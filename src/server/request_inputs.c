@@ -1,4 +1,5 @@
 /* An operation on data of the World: what a message says of it, and the World with the dataset that it would make. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/status.h"
 #include "model/dataset.h"
@@ -69,7 +70,7 @@ static vv_status take_inputs(vvi_request *r, const json_t *message)
     const vv_status st = check_inputs(r->operation, inputs);
     if (st != VV_OK)
         return st;
-    r->inputs = json_dumps(inputs, JSON_COMPACT);
+    r->inputs = vvi_json_encode(inputs, JSON_COMPACT);
     if (!r->inputs)
         return vv_fail_memory(256);
     if ((double)strlen(r->inputs) <= most)
@@ -83,7 +84,7 @@ static vv_status take_parameters(vvi_request *r, const json_t *message)
     const double most = vv_class_find(&vv_dataset_class, "parameters")->max;
     if (parameters && !json_is_object(parameters))
         return vv_fail(VV_E_ARGUMENT, "expected an object of parameters, as in {\"sigma\": \"1mm\"}");
-    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
+    r->parameters = parameters ? vvi_json_encode(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
     if (!r->parameters)
         return vv_fail_memory(256);
     if ((double)strlen(r->parameters) <= most)
@@ -107,16 +108,20 @@ vv_status vvi_request_take_operation(vvi_request *r, const json_t *message)
 
 /* What would be made ----------------------------------------------------------------------------------------------- */
 
-/* The dataset is the first input; of those that people name it is among the others, or all there is. */
+/* The dataset is the first input; of those that people name it is among the others, or all there is. NULL: there is no
+ * memory. */
 static json_t *inputs_of(const vvi_request *r)
 {
     const vv_operand *first = r->operation->inputs;
-    json_t *inputs = json_object(), *others = r->inputs ? json_loads(r->inputs, 0, NULL) : NULL;
+    json_t *inputs = json_object(), *others = vvi_json_of_own(r->inputs ? r->inputs : "{}");
     if (!first->names)
-        json_object_set_new(inputs, first->name, json_string(r->dataset));
-    json_object_update(inputs, others);
-    if (first->names && json_object_size(inputs) == 0)
-        json_object_set_new(inputs, "a", json_string(r->dataset));
+        vvi_json_put(&inputs, first->name, json_string(r->dataset));
+    if (json_object_update(inputs, others) != 0) {
+        json_decref(inputs);
+        inputs = NULL;
+    }
+    if (inputs && first->names && json_object_size(inputs) == 0)
+        vvi_json_put(&inputs, "a", json_string(r->dataset));
     json_decref(others);
     return inputs;
 }
@@ -124,17 +129,18 @@ static json_t *inputs_of(const vvi_request *r)
 json_t *vvi_request_recipe(const vvi_request *r)
 {
     json_t *recipe = json_pack("{s:s, s:o}", "operation", r->operation->name, "inputs", inputs_of(r));
-    json_t *parameters = r->parameters ? json_loads(r->parameters, 0, NULL) : NULL;
-    if (json_object_size(parameters) > 0)
-        json_object_set(recipe, "parameters", parameters);
-    json_decref(parameters);
+    json_t *parameters = vvi_json_of_own(r->parameters ? r->parameters : "{}");
+    if (parameters && json_object_size(parameters) == 0)
+        json_decref(parameters);
+    else
+        vvi_json_put(&recipe, "parameters", parameters);
     return recipe;
 }
 
 vv_status vvi_request_make_world(vv_world **out, const vvi_request *r, const char *id)
 {
     json_t *recipe = vvi_request_recipe(r);
-    char *text = recipe ? json_dumps(recipe, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    char *text = recipe ? vvi_json_encode(recipe, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     vv_object *root = vv_object_retain(&r->world->base);
     const vv_status st = text ? vv_path_add(&root, "datasets", id, text, NULL) : vv_fail_memory(256);
     *out = (vv_world *)(void *)root;

@@ -1,5 +1,6 @@
 /* Measurements of data of the World: a question as scenes keep it, and the answer that `volvis measure` gives. */
 #include "core/job.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "measure/plot.h"
 #include "measuring/answer.h"
@@ -115,10 +116,10 @@ static vv_status put_answer(vvi_result *out, const vv_answer *answer, bool plott
 static vv_status run(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    json_t *inputs = json_loads(r->inputs, 0, NULL);
+    json_t *inputs = vvi_json_of_own(r->inputs);
     vvi_measured_all s = {0};
     vv_answer *answer = NULL;
-    vv_status st = open_all(&s, &r->params, r, inputs, job);
+    vv_status st = inputs ? open_all(&s, &r->params, r, inputs, job) : vv_fail_memory(strlen(r->inputs));
     if (st == VV_OK)
         st = vv_measure_run(&answer, (const vv_measurement *)(const void *)r->params, &s.inputs, job);
     if (st == VV_OK)
@@ -149,7 +150,7 @@ static vv_status take_question(vvi_request *r, const json_t *question)
 {
     if (!json_is_object(question))
         return vv_fail(VV_E_ARGUMENT, "'measure' needs a question: {\"what\": \"area\", \"iso\": 90}");
-    char *text = json_dumps(question, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    char *text = vvi_json_encode(question, JSON_COMPACT | JSON_REAL_PRECISION(17));
     vv_status st =
         text ? vv_object_from_json(&r->params, &vvi_measurement_class, text, strlen(text), NULL) : vv_fail_memory(256);
     free(text);
@@ -166,9 +167,9 @@ static vv_status take_inputs(vvi_request *r, const json_t *message)
         if (id && !json_is_string(id))
             st = vv_fail(VV_E_ARGUMENT, "'%s' must be a name: of a %s", names[i], i ? "dataset" : "volume");
         else if (id)
-            json_object_set(inputs, names[i], id);
+            vvi_json_put(&inputs, names[i], json_incref(id));
     }
-    if (st == VV_OK && !(r->inputs = json_dumps(inputs, JSON_COMPACT)))
+    if (st == VV_OK && !(r->inputs = inputs ? vvi_json_encode(inputs, JSON_COMPACT) : NULL))
         st = vv_fail_memory(256);
     json_decref(inputs);
     return st;

@@ -1,5 +1,6 @@
 /* What an operation would make of the part of its input that is seen: the newest wish of a page counts. */
 #include "core/job.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/preview.h"
 #include "server/request.h"
@@ -88,7 +89,7 @@ static vv_status hand_on(vv_world **out, const vv_world *world, const vvi_reques
 {
     char name[VVI_REQUEST_ID + 4];
     size_t i;
-    json_t *value, *takers = json_loads(r->path, 0, NULL);
+    json_t *value, *takers = vvi_json_of_own(r->path);
     vv_object *root = vv_object_retain((vv_object *)(uintptr_t)&world->base);
     vv_status st = takers ? VV_OK : vv_fail_memory(256);
     snprintf(name, sizeof name, "\"%.*s\"", VVI_REQUEST_ID, id);
@@ -223,7 +224,7 @@ static vv_status take_takers(vvi_request *r, const json_t *takers)
         if (!json_is_string(value))
             return vv_fail(VV_E_ARGUMENT, "'takers': entry %zu must be a path, such as volumes.head.data", i + 1);
     }
-    r->path = json_dumps(takers, JSON_COMPACT);
+    r->path = vvi_json_encode(takers, JSON_COMPACT);
     return r->path ? VV_OK : vv_fail_memory(256);
 }
 

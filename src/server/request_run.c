@@ -1,5 +1,6 @@
 /* An operation on data of the World: a dataset is made of them, worked out once before it is there. */
 #include "core/job.h"
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "io/source.h"
 #include "run/made.h"
@@ -94,23 +95,23 @@ static vv_status check_inputs(const vv_world *world, const json_t *recipe)
     return VV_OK;
 }
 
-static void add_shown(json_t *edits, const vv_world *world, size_t volume, const char *dataset)
+static void add_shown(json_t **edits, const vv_world *world, size_t volume, const char *dataset)
 {
     char path[160];
     snprintf(path, sizeof path, "volumes.%s.data", world->volumes->entry[volume].id);
-    json_array_append_new(edits, json_pack("{s:s, s:s, s:s}", "op", "set", "path", path, "value", dataset));
+    vvi_json_append(edits, json_pack("{s:s, s:s, s:s}", "op", "set", "path", path, "value", dataset));
 }
 
-static void add_unset(json_t *edits, const char *volume, const vv_object *labels, const char *name)
+static void add_unset(json_t **edits, const char *volume, const vv_object *labels, const char *name)
 {
     char path[160];
     snprintf(path, sizeof path, "volumes.%s." VVI_LABELS_PATH "%s", volume, name);
     if (vv_object_is_set(labels, name))
-        json_array_append_new(edits, json_pack("{s:s, s:s}", "op", "unset", "path", path));
+        vvi_json_append(edits, json_pack("{s:s, s:s}", "op", "unset", "path", path));
 }
 
 /* New labels have neither the names nor the colours of those that they are made of. */
-static void add_forgotten(json_t *edits, const vv_volume *volume, const char *id)
+static void add_forgotten(json_t **edits, const vv_volume *volume, const char *id)
 {
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
     if (!segmentation)
@@ -128,9 +129,9 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, json_t *re
     for (size_t i = first; edits && i < world->volumes->n; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
         if (i == first || !volume->data)
-            add_shown(edits, world, i, i == first ? id : r->dataset);
+            add_shown(&edits, world, i, i == first ? id : r->dataset);
         if (i == first && !r->operation->carry)
-            add_forgotten(edits, volume, world->volumes->entry[i].id);
+            add_forgotten(&edits, volume, world->volumes->entry[i].id);
     }
     return edits;
 }

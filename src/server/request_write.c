@@ -128,11 +128,12 @@ static vv_status run(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = vvi_dataset_named(r->world, r->dataset);
     if (!dataset)
         return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->dataset);
+    vvi_disk_share share;
     vv_status st = check_sources(r);
     if (st == VV_OK)
         st = vvi_request_keep_existing(r, job);
-    if (st == VV_OK)
-        st = vvi_made_write(r->path, r->world, dataset, job);
+    if (st == VV_OK && (st = vvi_disk_share_begin(&share, r->session, r->path, job)) == VV_OK)
+        st = vvi_disk_share_end(&share, vvi_made_write(r->path, r->world, dataset, job), job);
     if (st != VV_OK)
         return vvi_request_note_exists(r, st);
     vvi_request_take_notes(r, job);

@@ -1,4 +1,5 @@
 /* HTTP: the page, the exchange of the token, files that go. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/audit.h"
 #include "server/server_impl.h"
@@ -60,7 +61,10 @@ static int exchange(vvi_peer *peer)
 {
     vvi_gate *gate = &peer->server->gate;
     const bool launches = *gate->launch;
-    json_t *body = json_loadb(peer->http->body, peer->http->n_body, 0, NULL);
+    vvi_json_flaw flaw;
+    json_t *body = vvi_json_decode(peer->http->body, peer->http->n_body, 0, &flaw);
+    if (!body && flaw.fault == VVI_JSON_MEMORY) /* no wrong token */
+        return vvi_answer_refusal(peer, HTTP_STATUS_SERVICE_UNAVAILABLE, "The server is short of memory; try again.\n");
     const char *token = json_string_value(json_object_get(body, "token"));
     /* who may send it was checked with its head */
     const vvi_request r = {.host = gate->host[0], .address = peer->address};

@@ -92,6 +92,10 @@ typedef struct vvi_peer {
 int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
 /** n bytes to be sent when nothing else is leaving; copies them behind each other. False: no memory. */
 bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n);
+/** The same for n bytes that are yet to be written there. NULL: no memory. */
+uint8_t *vvi_peer_room(vvi_peer *peer, size_t n);
+/** What has not left yet of `out`, from `at` on, becomes these n bytes, of which it has at least as many there. */
+void vvi_peer_cut(vvi_peer *peer, size_t at, const void *end, size_t n);
 /** It ends in so many seconds unless this is called again. */
 void vvi_peer_expects(vvi_peer *peer, int seconds);
 /** It has shown a token or a cookie that is right. */
@@ -184,8 +188,11 @@ typedef struct vvi_socket {
     uint8_t pong[VVI_CONTROL_MOST];
     size_t n_pong;
     bool pongs;
-    int code;    /* it ends by this farewell; 0: it goes on */
-    bool parted; /* that is on its way */
+    bool breaks;     /* what leaves is a picture in parts, which may be broken off */
+    int64_t seen_at; /* when it was looked at last how far that is; 0: never */
+    size_t seen;     /* how far it was */
+    int code;        /* it ends by this farewell; 0: it goes on */
+    bool parted;     /* that is on its way */
     char why[VVI_CONTROL_MOST - 1];
 } vvi_socket;
 

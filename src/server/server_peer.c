@@ -78,21 +78,35 @@ void vvi_peer_resume(vvi_peer *peer, int64_t now)
 
 /* Out ------------------------------------------------------------------------------------------------------------ */
 
-bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n)
+uint8_t *vvi_peer_room(vvi_peer *peer, size_t n)
 {
-    uint8_t *room = vvi_realloc_plain(NULL, LWS_PRE + n_head + n);
+    uint8_t *room = vvi_realloc_plain(NULL, LWS_PRE + n);
     if (!room)
-        return false;
-    memcpy(room + LWS_PRE, head, n_head);
-    if (n)
-        memcpy(room + LWS_PRE + n_head, bytes, n);
+        return NULL;
     free(peer->out);
     peer->out = room;
-    peer->n_out = n_head + n;
+    peer->n_out = n;
     peer->at_out = 0;
     peer->moved = vvi_now();
     lws_callback_on_writable(peer->wsi);
+    return room + LWS_PRE;
+}
+
+bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n)
+{
+    uint8_t *room = vvi_peer_room(peer, n_head + n);
+    if (!room)
+        return false;
+    memcpy(room, head, n_head);
+    if (n)
+        memcpy(room + n_head, bytes, n);
     return true;
+}
+
+void vvi_peer_cut(vvi_peer *peer, size_t at, const void *end, size_t n)
+{
+    memcpy(peer->out + LWS_PRE + at, end, n);
+    peer->n_out = at + n;
 }
 
 /* In pieces, so that it is seen whether anything leaves at all. */

@@ -6,6 +6,7 @@
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +26,10 @@ enum { PIECES_MOST = 16 };                /* frames, or parts of them, that may 
 #define VISIT (INT64_C(5) * 1000000000) /* who stays no longer has come and gone */
 #define END_SECONDS 2                   /* for the sentence to leave, where nothing is taken any more */
 enum { REST_MOST = 1 << 16 };
+/* A picture on a line of which nothing is known leaves in parts of so many bytes, and is broken off behind one of them
+ * where the rest would take longer than so many seconds, by what left since it was looked at last. */
+enum { PART = 16384, PART_HEAD = 4, TOO_LONG = 5 };
+#define LOOK (INT64_C(1) * 1000000000)
 /* How long a page may leave what was sent unread; be silent until it is asked whether it is there; and until it is not.
  */
 #define STANDS (INT64_C(25) * 1000000000)
@@ -168,7 +173,8 @@ static void take_message(vvi_peer *peer)
         vvi_ration_greeted(&peer->ration, vvi_now());
     }
     if (st != VV_OK)
-        vvi_socket_end(peer, st == VV_E_LIMIT ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY, vv_error_last()->message);
+        vvi_socket_end(peer, st == VV_E_LIMIT || st == VV_E_MEMORY ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY,
+                       vv_error_last()->message);
 }
 
 static void take_frame(vvi_peer *peer, vvi_framed what)
@@ -282,14 +288,67 @@ static int put_farewell(vvi_peer *peer, bool *done)
     return put_frame(peer, VVI_FRAME_CLOSE, code, sizeof code, socket->why, strlen(socket->why));
 }
 
+/* All but the last part have PART bytes with their heads. */
+static int put_parts(vvi_peer *peer, const vvi_outgoing *out)
+{
+    enum { HEAD = sizeof out->head, BYTES = PART - PART_HEAD };
+    const size_t all = HEAD + out->n, n_parts = (all + BYTES - 1) / BYTES;
+    uint8_t *to = vvi_peer_room(peer, all + n_parts * PART_HEAD);
+    if (!to)
+        return -1;
+    const uint8_t *end = to + all + n_parts * PART_HEAD;
+    for (size_t i = 0, at = 0; i < n_parts; i++) {
+        const size_t n = all - at < BYTES ? all - at : BYTES, of_head = i == 0 ? HEAD : 0;
+        const size_t n_start = vvi_framing_part(to, i == 0 ? VVI_FRAME_BINARY : VVI_FRAME_MORE, n, i + 1 == n_parts);
+        memcpy(to + n_start, out->head, of_head);
+        memcpy(to + n_start + of_head, out->bytes + (at + of_head - HEAD), n - of_head);
+        to += n_start + n;
+        at += n;
+    }
+    peer->n_out -= (size_t)(end - to); /* the last may have a shorter head */
+    peer->socket->breaks = true;
+    peer->socket->seen_at = 0;
+    return 0;
+}
+
+static bool takes_more(const vvi_peer *peer)
+{
+    struct pollfd line = {.fd = lws_get_socket_fd(peer->wsi), .events = POLLOUT};
+    return poll(&line, 1, 0) > 0;
+}
+
+/* What the system has not taken is left out. A line that takes more just now is not what it waits for. */
+static void look_at_line(vvi_peer *peer, int64_t now)
+{
+    static const uint8_t end[2] = {0x80, 0};
+    vvi_socket *socket = peer->socket;
+    const int64_t passed = now - socket->seen_at;
+    if (!peer->out || !socket->breaks || (socket->seen_at && passed < LOOK))
+        return;
+    const double rate = (double)(peer->at_out - socket->seen) / (1e-9 * (double)passed);
+    const size_t left = peer->n_out - peer->at_out, parts = (peer->at_out + PART - 1) / PART, at = parts * PART;
+    if (socket->seen_at && parts > 1 && at + PART < peer->n_out && (double)left > TOO_LONG * rate &&
+        !takes_more(peer)) {
+        const size_t before = (peer->n_out - at + PART - 1) / PART * PART_HEAD;
+        vvi_client_broke(socket->client, peer->n_out - at - before);
+        vvi_peer_cut(peer, at, end, sizeof end);
+        socket->breaks = false;
+    }
+    socket->seen_at = now;
+    socket->seen = peer->at_out;
+}
+
 static int put_news(vvi_peer *peer)
 {
     vvi_socket *socket = peer->socket;
     vvi_outgoing out;
     if (!vvi_client_next(&out, socket->client, vvi_now()))
         return 0;
+    socket->breaks = false;
     const int result = out.text ? put_frame(peer, VVI_FRAME_TEXT, NULL, 0, out.text, out.n)
-                                : put_frame(peer, VVI_FRAME_BINARY, out.head, sizeof out.head, out.bytes, out.n);
+                       : out.breaks && out.n
+                           ? put_parts(peer, &out)
+                           : put_frame(peer, VVI_FRAME_BINARY, out.head, sizeof out.head, out.bytes, out.n);
     free(out.text);
     vv_image_bytes_free(out.bytes);
     const bool taken = take_rest(peer);
@@ -366,8 +425,10 @@ int64_t vvi_socket_tick(vvi_peer *peer, int64_t now)
         vvi_socket_end(peer, VVI_CLOSE_POLICY, why);
     else if (peer->out && now - peer->moved > STANDS)
         vvi_socket_end(peer, VVI_CLOSE_POLICY, "this page has read nothing for half a minute");
-    else
+    else {
         listen_for(peer, now);
+        look_at_line(peer, now);
+    }
     if (!socket->code && (socket->pings || vvi_client_has_more(socket->client, now)))
         lws_callback_on_writable(peer->wsi);
     return resumed ? 0 : peer->resumes ? peer->resumes - now : INT64_MAX; /* what it said may concern others */

@@ -1,4 +1,5 @@
 /* Files that come: PUT /files/NAME. Nothing is kept for what is announced: a file holds what has come of it. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "server/server_impl.h"
 
@@ -196,7 +197,7 @@ static int end(vvi_peer *peer)
         return refuse_storing(peer, error);
     }
     json_t *value = json_pack("{s:s}", "path", http->upload_path);
-    char *text = value ? json_dumps(value, 0) : NULL;
+    char *text = value ? vvi_json_encode(value, 0) : NULL;
     json_decref(value);
     peer->uploads = false; /* nothing more is on its way */
     return vvi_answer_text(peer, 201, "application/json", text);

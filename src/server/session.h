@@ -69,12 +69,15 @@ typedef struct vvi_outgoing {
     uint8_t head[32];
     uint8_t *bytes; /**< n of them, for vv_image_bytes_free() */
     size_t n;
+    bool breaks; /**< a picture that may be broken off: how fast the line is will be known by how it leaves */
 } vvi_outgoing;
 
 /** Whether there is something to send. */
 bool vvi_client_has_more(const vvi_client *client, int64_t now);
 /** The next thing; false where there is none. */
 bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now);
+/** The frame that is under way was broken off: its last n bytes do not leave. */
+void vvi_client_broke(vvi_client *client, size_t n);
 /** Why the connection should end, a sentence: it takes nothing any more; NULL: it goes on. */
 const char *vvi_client_stuck(const vvi_client *client, int64_t now);
 /** Whether nothing more should be taken from it before it has read some of what waits for it. */

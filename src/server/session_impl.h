@@ -72,6 +72,7 @@ struct vvi_client {
     uint64_t numbers;    /* of frames */
     uint64_t wishes;     /* so often was the view to be drawn again */
     bool tells_outdated; /* that frame is final no more, and was not said to be */
+    bool broke;          /* the frame that is under way was broken off */
     bool told_final;     /* nothing better than the frame that was sent last would come, it was told */
     bool told_failed;    /* no frame would come, it was told */
     vvi_painted sent, waiting;
@@ -169,7 +170,8 @@ struct vvi_session {
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
-    _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
+    _Atomic uint64_t coming;        /* bytes that are there of uploads without a name, and of what is being written */
+    _Atomic uint64_t written;       /* bytes of files outside that pages have written, beyond those in their place */
     uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
     int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
@@ -312,9 +314,9 @@ void vvi_session_keep_sync(vvi_session *session);
 /* message_text.c ------------------------------------------------------------------------------------------------------
  */
 
-/** A page's message, yours to json_decref(); NULL: no JSON. Whole numbers beyond 2^63 are real ones. `flaw`: NULL, or a
- * sentence why it cannot be taken though its type and id can be read. */
-json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
+/** A page's message, yours to json_decref(); NULL: no JSON, or there is no memory for it. Whole numbers beyond 2^63 are
+ * real ones. `flaw`: NULL, or a sentence why it cannot be taken though its type and id can be read. */
+json_t *vvi_message_read(const char **flaw, bool *no_memory, const char *text, size_t n);
 
 /* edit_again.c --------------------------------------------------------------------------------------------------- */
 
@@ -373,11 +375,24 @@ bool vvi_files_is_data_folder(const char *name, const vv_registry *registry);
 
 /** What earlier sessions have left is not counted. */
 void vvi_session_begin_room(vvi_session *session);
-/** VV_E_LIMIT: so many bytes more would be more than uploads, samples and pictures may take (session_bytes),
- * or than the disk has for them. Any thread. */
+/** VV_E_LIMIT: so many bytes more would be more than uploads, samples, pictures and what pages write may take
+ * (session_bytes), or than the disk has for them. Any thread. */
 vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
 /** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
 vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
+
+/** What a page writes below the root: it comes out of the same room, all that is beyond what it replaces. */
+typedef struct vvi_disk_share {
+    vvi_session *session;
+    uint64_t others;   /* bytes in the session's folder when it began */
+    uint64_t disk;     /* that its disk had for it then */
+    uint64_t replaced; /* that are there under its name */
+    _Atomic uint64_t taken;
+} vvi_disk_share;
+/** Before the file or folder is written by the job; VV_E_LIMIT: there is no room for any. Any thread. */
+vv_status vvi_disk_share_begin(vvi_disk_share *out, vvi_session *session, const char *path, vv_job *job);
+/** When it is written, or has failed. The status. */
+vv_status vvi_disk_share_end(vvi_disk_share *share, vv_status status, vv_job *job);
 
 /* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 

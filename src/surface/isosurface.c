@@ -494,7 +494,8 @@ static void find_values(const isosurface_params *p, const char *unit, vv_job *jo
         vvi_text_printf(&text, "%s%g", i ? ", " : "", values[i]);
     if (p->more && p->more->top)
         vvi_text_printf(&text, " to %g", *p->more->top);
-    vvi_find_phrase(job, "surface at %s%s%s%s", text.s, *unit ? " " : "", unit, why);
+    if (!text.bad)
+        vvi_find_phrase(job, "surface at %s%s%s%s", text.s, *unit ? " " : "", unit, why);
     vvi_find_numbers(job, "values", values, n);
     vvi_find_string(job, "value_unit", unit);
     vvi_find_bool(job, "value_found", p->found);

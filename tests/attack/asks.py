@@ -105,4 +105,16 @@ def storms(server):
         yield Asks(f"{name}, and gone", [(*one, None)] * 20, together=True, leaves=True)
 
 
-FAMILIES = (wrong_types, places, questions, recipes, storms)
+def fills(server):
+    """A disk that is to be filled by what is made of little: each file is of 2.5 MB, and so is the room for each again."""
+    write = [("write", {"dataset": "big", "path": f"big-{i}.nii"}) for i in range(20)]
+    yield Asks("what is large", [(*edit(made("big", "pad", {"volume": "ball"}, all=60)), True)])
+    yield Asks("files one after the other", [(*one, None) for one in write[:10]] + [("write", {"dataset": "big", "path": "last.nii"}, False)])
+    yield Asks("files together", [(*one, False) for one in write[10:]], together=True)
+    yield Asks("a scene of little", [("save", {"path": "little", "replace": True}, None), (*gone("big"), True)])
+    there = [os.path.getsize(name) for name in os.listdir() if name.startswith("big-") or "part" in name]
+    assert 2.5e6 < sum(there) <= ROOM, there
+
+
+ROOM = 8 << 20
+FAMILIES = (wrong_types, places, questions, recipes, storms, fills)

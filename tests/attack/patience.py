@@ -131,7 +131,7 @@ class Asker:
         self.sock, _ = upgrade(server, server.own_cookie)
         self.answers, self.ended = 0, None
         send(self.sock, hello(16, 16))
-        send(self.sock, frame(json.dumps({"type": "frames", "wanted": "none"}).encode()))  # it confirms none
+        send(self.sock, frame(json.dumps({"type": "frames", "wanted": "none"}).encode()))
         threading.Thread(target=self.ask, daemon=True).start()
 
     def ask(self):
@@ -152,6 +152,8 @@ class Asker:
                     kind, data, box = found
                     if kind == 8:
                         raise OSError(data[2:].decode())
+                    if kind == 2:  # made before it was heard that none is wanted
+                        send(self.sock, frame(json.dumps({"type": "ack", "frame": int.from_bytes(data[8:12], "little")}).encode()))
                     answered = kind == 1 and b'"answer"' in data[:60]
                 self.answers += 1
         except OSError as error:

@@ -69,7 +69,7 @@ def attack_all(wanted):
         ready(server)
         patient = Patient(server) if not wanted or "patience" in wanted else None
         counts = [attack_by((heads, frames), server, wanted)]
-        with Server(*words, verb="serve", state="asked") as other:  # whose World changes, while those who wait should see none of it
+        with Server(*words, "--limit", f"session_bytes={asks.ROOM}", verb="serve", state="asked") as other:  # whose World changes, while those who wait should see none of it
             counts.append(attack_by((asks,), ready(other), wanted))
         if patient:
             counts.append(wait_for(patient))

@@ -8,8 +8,8 @@ import socket
 import threading
 import time
 
-from harness import main, sanitized
-from page import Page, run
+from harness import main, sanitized, write_nrrd
+from page import Frame, Page, run
 from wire import attacked, behaves, connect, frame, hello, parse, resident_kib, rounds, untaken, upgrade, wait_for
 
 
@@ -106,6 +106,51 @@ def check_waiting(server, reads, side):
     for sock in slow:
         sock.close()
     return alone, beside
+
+
+def pictures_at(sock, rate, seconds):
+    """Frames and when they came, to who reads so many bytes a second and confirms each."""
+    box, began, budget, last = b"", time.monotonic(), 0, time.monotonic()
+    sock.settimeout(1)
+    while (now := time.monotonic()) < began + seconds:
+        budget, last = min(budget + rate * (now - last), rate), now
+        if budget >= 256:
+            try:
+                piece = sock.recv(int(budget))
+            except TimeoutError:
+                continue
+            assert piece, "the server has ended the connection"
+            box, budget = box + piece, budget - len(piece)
+        else:
+            time.sleep(0.01)
+        while (found := parse(box)) is not None:
+            code, data, box = found
+            if code == 2:
+                picture = Frame(data)
+                say(sock, type="ack", frame=picture.number)
+                yield picture, time.monotonic() - began
+
+
+def test_a_first_picture_that_the_line_does_not_carry_is_broken_off():
+    """Of some 200 kB, at 10 kB a second: nobody waits for 20 seconds to see something."""
+    write_nrrd("noise.nrrd", (32, 32, 32), lambda x, y, z: (x * 7919 + y * 104729 + z * 1299709) % 251)
+    with attacked("noise.nrrd") as server:
+        sock, broken, began = lazy_socket(server, server.cookie(), 640, 480), 0, 0
+        for picture, seconds in pictures_at(sock, 10000, 60):
+            broken += picture.broken
+            if not picture.broken and picture.level == 2:
+                break
+            began = seconds
+        assert not picture.broken and broken == 1, (broken, len(picture.data), seconds)
+        assert len(picture.data) < 50000 and seconds - began < 15, (len(picture.data), began, seconds)
+        # the line is mended: when a picture has shown that, the whole follows
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
+        say(sock, type="edit", id=1, edits=[{"op": "set", "path": "volumes.noise.visible", "value": True}])
+        for picture, seconds in pictures_at(sock, 1e9, 100):
+            assert not picture.broken
+            if picture.final:
+                break
+        assert picture.final and len(picture.data) > 100000, (len(picture.data), seconds)
 
 
 def test_pages_that_read_next_to_nothing_keep_nobody_waiting():

@@ -15,6 +15,11 @@ def files():
             if os.path.basename(folder) not in ("state", "volvis") and not name.startswith("journal")}
 
 
+def names():
+    """Of all files below the root that are not the session's own."""
+    return sorted(os.path.join(folder, name) for folder, _, files in os.walk(".") for name in files if not folder.startswith("./state"))
+
+
 def put(server, name, data):
     code, _, body = server.request(f"/files/{name}", data, method="PUT", Cookie=server.cookie())
     assert code == 201, (code, body)
@@ -207,6 +212,54 @@ def test_files_without_bytes_take_room_too():
         for i in range(20):
             codes.append(server.request(f"/files/empty-{i}.nrrd", b"", method="PUT", Cookie=cookie)[0])
         assert codes == [201] * 13 + [413] * 7, codes
+
+
+def test_what_pages_write_comes_out_of_the_same_room():
+    write_ball("ball.nrrd", 16)
+    write_ball("large.nrrd", 64)  # 262144 samples of a byte
+    with attacked("--limit", "session_bytes=100K", verb="serve") as server:  # 8 KiB a file at least: 12 of them
+        async def work():
+            async with Page(server, 64, 64) as page:
+                await page.ask("open", path="ball.nrrd")
+                await page.ask("open", path="large.nrrd", add=True)
+                for i in range(30):  # what takes the place of the same takes no more
+                    await page.ask("write", dataset="ball", path="same.nrrd", replace=True)
+                for i in range(6):
+                    await page.ask("write", dataset="ball", path=f"ball-{i}.nii")
+                for i in range(5):
+                    await page.ask("save", path=f"scene-{i}")
+                there = names()
+                for kind, more in (("write", {"dataset": "ball", "path": "more.nrrd"}), ("save", {"path": "more"}),
+                                   ("write", {"dataset": "ball", "path": "more.zarr"}), ("sample", {"name": "orbital"})):
+                    said = await page.refused(kind, **more)
+                    assert "no room for" in said and "96.0 KiB of 100.0 KiB" in said and "session_bytes" in said, said
+                code, _, said = server.request("/files/more.nrrd", b"x" * 20000, method="PUT", Cookie=server.cookie())
+                assert code == 413 and b"no room" in said, (code, said)
+                await page.ask("write", dataset="ball", path="ball-0.nii", replace=True)
+                with open("ball-0.nii", "rb") as file:
+                    before = file.read()
+                for path in ("ball-0.nii", "large.nii", "large.zarr", "large.nhdr"):  # in the middle of it
+                    said = await page.refused("write", dataset="large", path=path, replace=True)
+                    assert "no room for" in said and "session_bytes" in said, said
+                with open("ball-0.nii", "rb") as file:
+                    assert file.read() == before
+                assert names() == there, set(names()) ^ set(there)
+        run(work())
+
+
+def test_what_pages_write_over_larger_files_gives_room_back():
+    write_ball("ball.nrrd", 16)
+    write_ball("large.nrrd", 64)
+    with attacked("--limit", "session_bytes=300K", verb="serve") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                await page.ask("open", path="ball.nrrd")
+                await page.ask("open", path="large.nrrd", add=True)
+                for _ in range(3):
+                    await page.ask("write", dataset="large", path="a.nii", replace=True)
+                    assert "no room for" in await page.refused("write", dataset="large", path="b.nii")
+                    await page.ask("write", dataset="ball", path="a.nii", replace=True)
+        run(work())
 
 
 # Names --------------------------------------------------------------------------------------------------------------

@@ -157,14 +157,20 @@ def frame(payload, opcode=1, final=True, masked=True, length=None, reserved=0):
 
 
 def parse(box):
-    """Opcode and payload of the first frame of the server, and what is behind it; None: it is not whole."""
-    if len(box) < 2:
-        return None
-    n, at = box[1] & 127, 2
-    if n > 125:
-        at = 4 if n == 126 else 10
-        n = int.from_bytes(box[2:at], "big")
-    return (box[0] & 15, box[at:at + n], box[at + n:]) if len(box) >= at + n else None
+    """Opcode and payload of the first message of the server, and what is behind it; None: it is not whole."""
+    parts, start, last = [], 0, False
+    while not last:
+        if len(box) < start + 2:
+            return None
+        n, at = box[start + 1] & 127, start + 2
+        if n > 125:
+            at += 2 if n == 126 else 8
+            n = int.from_bytes(box[start + 2:at], "big")
+        if len(box) < at + n:
+            return None
+        parts.append(box[at:at + n])
+        last, start = box[start] & 128, at + n
+    return box[0] & 15, b"".join(parts), box[start:]
 
 
 def closes(sock, seconds=60):

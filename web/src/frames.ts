@@ -86,6 +86,13 @@ export function parseFrame(buffer: ArrayBuffer): Frame | null {
   };
 }
 
+/** A picture that the server broke off, since the line is too thin for it: it does not end as such pictures do. */
+export function isWhole({ type, picture }: Pick<Frame, "type" | "picture">): boolean {
+  const end = type === "image/png" ? [0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82] : [0xff, 0xd9];
+  const tail = picture.subarray(-end.length);
+  return tail.length === end.length && end.every((byte, i) => tail[i] === byte);
+}
+
 /**
  * Draws a frame over the whole canvas; smaller ones are enlarged smoothly. The canvas takes the size that the server
  * made the full picture for, so that a picture at rest meets the pixels of the screen one to one.

@@ -3,7 +3,7 @@ import { batch } from "@preact/signals";
 import { KnownWorld } from "./changes";
 import { Connection, takeToken } from "./connection";
 import { plan } from "./filter/state";
-import { Finality, parseFrame, type Frame } from "./frames";
+import { Finality, isWhole, parseFrame, type Frame } from "./frames";
 import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
 import { hasEntry } from "./values";
@@ -95,6 +95,10 @@ const finality = new Finality();
 function onBinary(buffer: ArrayBuffer): void {
   const frame = parseFrame(buffer);
   if (!frame) return;
+  if (!isWhole(frame)) { // one that this line carries follows
+    link.send({ type: "ack", frame: frame.number });
+    return;
+  }
   finality.take(frame.number);
   const { picture: _, ...rest } = frame;
   const drawn = painter ? painter(frame) : Promise.resolve();

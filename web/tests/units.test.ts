@@ -9,7 +9,7 @@ import { datasetOf as failedDataset, reasonOf } from "../src/failure";
 import { otsu, startOf } from "../src/filter/start";
 import { inPanel } from "../src/filter/words";
 import type { Operation, Property } from "../src/protocol";
-import { Finality, parseFrame } from "../src/frames";
+import { Finality, isWhole, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
 import { nextDirection } from "../src/directions";
@@ -42,6 +42,15 @@ test("the head of a frame is read as the protocol says", () => {
     type: "image/png", final: true, moving: true, compressed: false, number: 70000, width: 640, height: 360, fullWidth: 1280, fullHeight: 720,
     level: 2, passes: 9, commit: 12, latency: 16.5, picture: [1, 2, 3, 4],
   });
+});
+
+test("a picture that was broken off is known by its end", () => {
+  const end = { "image/png": [0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82], "image/jpeg": [0xff, 0xd9] };
+  for (const type of ["image/png", "image/jpeg"] as const) {
+    const whole = new Uint8Array([1, 2, 3, ...end[type]]);
+    assert.equal(isWhole({ type, picture: whole }), true);
+    for (let n = 0; n < whole.length; n++) assert.equal(isWhole({ type, picture: whole.subarray(0, n) }), false);
+  }
 });
 
 test("what is no frame is refused: too short, another magic, another kind", () => {

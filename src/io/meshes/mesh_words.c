@@ -57,6 +57,15 @@ const char *vvi_words_here(vvi_words *w, size_t *n_out)
     return *n_out ? word : NULL;
 }
 
+size_t vvi_words_left(const vvi_words *w, size_t most)
+{
+    vvi_words ahead = *w;
+    size_t n = 0, length;
+    while (n < most && vvi_words_here(&ahead, &length))
+        n++;
+    return n;
+}
+
 vv_status vvi_words_next(vvi_words *w, const char **word_out, size_t *n_out)
 {
     while (!(*word_out = vvi_words_here(w, n_out))) {

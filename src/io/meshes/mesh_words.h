@@ -22,6 +22,8 @@ vv_status vvi_words_line(vvi_words *words, const char **line_out);
 vv_status vvi_words_next(vvi_words *words, const char **word_out, size_t *n_out);
 /** The next word of this line; NULL and 0 at its end. */
 const char *vvi_words_here(vvi_words *words, size_t *n_out);
+/** How many words this line still has, at most `most`. */
+size_t vvi_words_left(const vvi_words *words, size_t most);
 /** The next word as a number; "nan" and "inf" are some. VV_E_FORMAT names `what` and the line. */
 vv_status vvi_words_real(vvi_words *words, double *out, const char *what);
 /** The next word as a whole number in lo .. hi. */

@@ -54,6 +54,7 @@ typedef struct reader {
     vvi_face_colors faces;
     keyword has;
     bool binary;
+    bool vertices_flow, faces_flow; /* their lines say nothing: many stand on one */
     uint64_t n_vertices, n_faces;
     float *color;     /* of vertices, red green blue alpha as the file says them: 0 .. 1 or 0 .. 255 */
     float color_most; /* of them */
@@ -146,17 +147,18 @@ static vv_status read_color_words(reader *r, size_t vertex)
 
 static vv_status read_vertex(reader *r, size_t vertex)
 {
+    const bool counted = r->binary || r->vertices_flow; /* by what the keyword says, not by lines */
     float color[4], unused[2];
     vv_status st = read_place(r, vertex);
     if (st == VV_OK && r->has.normal)
         st = read_floats(r, r->b.arrays.normals + 3 * vertex, 3, "a normal");
-    if (st == VV_OK && r->has.color && !r->binary)
+    if (st == VV_OK && r->has.color && !counted)
         st = read_color_words(r, vertex);
     else if (st == VV_OK && r->has.color && (st = read_floats(r, color, 4, "a colour")) == VV_OK)
         take_color(r, vertex, color);
-    if (st == VV_OK && r->has.texture)
-        st = r->binary ? read_floats(r, unused, 2, "a texture's place") : VV_OK;
-    if (!r->binary)
+    if (st == VV_OK && r->has.texture && counted)
+        st = read_floats(r, unused, 2, "a texture's place");
+    if (!counted)
         r->words.at += strlen(r->words.at); /* textures, and colours that the keyword does not say */
     return st;
 }
@@ -226,6 +228,8 @@ static vv_status read_color_of_face(reader *r)
             v[i] = single[i];
         return st == VV_OK ? use_color(r, v, (size_t)n, false) : st;
     }
+    if (r->faces_flow)
+        return use_color(r, v, 0, false);
     for (size_t m; n < FACE_NUMBERS_MOST; n++) {
         const char *end, *word = vvi_words_here(&r->words, &m);
         if (!word)
@@ -252,6 +256,8 @@ static vv_status read_face(reader *r)
     for (int64_t i = 0; i < n && st == VV_OK; i++)
         if ((st = read_int(r, &index, 0, (int64_t)r->n_vertices - 1, "a vertex of a face")) == VV_OK)
             r->corner[i] = (uint32_t)index;
+    if (r->n_faces > 1 && r->b.info.n_triangles == 0 && !r->binary) /* more than a colour has */
+        r->faces_flow |= vvi_words_left(&r->words, FACE_NUMBERS_MOST + 1) > FACE_NUMBERS_MOST;
     if (st == VV_OK && (st = read_color_of_face(r)) == VV_OK)
         st = vvi_mesh_builder_polygon(&r->b, r->corner, (size_t)n);
     return st;
@@ -310,11 +316,29 @@ static vv_status check_sizes(const reader *r)
                       (unsigned long long)left);
 }
 
+/* Files of other programs have numbers behind vertices that the keyword does not say, to the ends of their lines. Where
+ * vertices begin behind the counts, or all stand on a line, it is not so. */
+static vv_status see_whether_vertices_flow(reader *r)
+{
+    const size_t each = 3 + (r->has.normal ? 3u : 0) + (r->has.color ? 4u : 0) + (r->has.texture ? 2u : 0);
+    vv_status st = VV_OK;
+    if (r->binary || r->n_vertices == 0)
+        return VV_OK;
+    r->vertices_flow = vvi_words_left(&r->words, 1) > 0;
+    for (const char *line = ""; st == VV_OK && line && vvi_words_left(&r->words, 1) == 0;)
+        st = vvi_words_line(&r->words, &line);
+    const size_t all = (size_t)r->n_vertices * each; /* check_sizes() */
+    r->vertices_flow |= st == VV_OK && r->n_vertices > 2 && vvi_words_left(&r->words, all) == all;
+    return st;
+}
+
 static vv_status read_all(reader *r, vv_notes *notes)
 {
     vv_status st = read_header(r);
-    if (st != VV_OK || (st = check_sizes(r)) != VV_OK || (st = read_vertices(r)) != VV_OK)
+    if (st != VV_OK || (st = check_sizes(r)) != VV_OK || (st = see_whether_vertices_flow(r)) != VV_OK ||
+        (st = read_vertices(r)) != VV_OK)
         return st;
+    r->faces_flow = r->vertices_flow && vvi_words_left(&r->words, 1) > 0;
     for (uint64_t i = 0; i < r->n_faces && st == VV_OK; i++)
         st = i % 4096 == 0 && vvi_job_poll(r->job) != VV_OK ? vv_error_last()->status : read_face(r);
     return st == VV_OK ? vvi_face_colors_finish(&r->faces, &r->b, notes) : st;

@@ -231,6 +231,48 @@ static void what_is_up_goes_with_a_mesh(void **state)
     vv_mesh_release(mesh);
 }
 
+/* Words are words, wherever lines end: two triangles of a square, with what the keyword says of each vertex. */
+static void off_is_read_however_its_lines_end(void **state)
+{
+    static const struct {
+        const char *keyword, *behind; /* what stands behind each place */
+        bool normals, colors;
+    } kinds[] = {{"OFF", "", false, false},
+                 {"COFF", " 255 0 128 255", false, true},
+                 {"NOFF", " 0 0 1", true, false},
+                 {"STOFF", " 0.25 0.75", false, false},
+                 {"CNOFF", " 0 0 1 255 0 128 255", true, true},
+                 {"NCOFF", " 0 0 1 255 0 128 255", true, true},
+                 {"STCNOFF", " 0 0 1 255 0 128 255 0.25 0.75", true, true}};
+    /* behind the keyword, the counts, each vertex, all of them, each face */
+    static const char *const ends[][5] = {{"\n", "\n", "\n", "", "\n"},
+                                          {" ", "\n", "\n", "", "\n"},
+                                          {" ", " ", " ", "", " "},
+                                          {"\n", " ", " ", "", " "},
+                                          {"\n", "\n", " ", "\n", "\n"},
+                                          {" ", " ", " ", "\n", "\n"},
+                                          {" # c\n", " # c\n", " ", "# c\n\n", "\n"}};
+    static const char places[4][8] = {"0 0 0", "1 0 0", "1 1 0", "0 1 0.5"};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        for (size_t e = 0; e < sizeof ends / sizeof *ends; e++) {
+            char text[1024];
+            int n = snprintf(text, sizeof text, "%s%s4 2 0%s", kinds[k].keyword, ends[e][0], ends[e][1]);
+            for (int v = 0; v < 4; v++)
+                n += snprintf(text + n, sizeof text - (size_t)n, "%s%s%s", places[v], kinds[k].behind, ends[e][2]);
+            snprintf(text + n, sizeof text - (size_t)n, "%s3 0 1 2%s3 0 2 3%s", ends[e][3], ends[e][4], ends[e][4]);
+            vv_mesh *mesh = read_text(state, "lines.off", text);
+            const vv_mesh_info *m = vv_mesh_get_info(mesh);
+            assert_int_equal(m->n_vertices, 4);
+            assert_int_equal(m->n_triangles, 2);
+            assert_true(m->positions[3] == 1 && m->positions[11] == 0.5F);
+            assert_int_equal(m->triangles[5], 3);
+            assert_true(!m->normals == !kinds[k].normals && !m->colors == !kinds[k].colors);
+            assert_true(!m->normals || m->normals[11] == 1);
+            assert_true(!m->colors || (m->colors[12] == 255 && m->colors[14] == 128));
+            vv_mesh_release(mesh);
+        }
+}
+
 static void compressed_files_are_written_and_read(void **state)
 {
     vv_mesh *mesh = test_mesh_strip(101, NORMALS), *back;
@@ -284,6 +326,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(places_far_from_zero_keep_their_differences, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(lengths_are_written_in_the_unit_that_is_asked_for, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(what_is_up_goes_with_a_mesh, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(off_is_read_however_its_lines_end, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(compressed_files_are_written_and_read, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(vertices_of_stl_are_joined_bit_for_bit, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(a_concave_polygon_keeps_its_area, io_setup, io_teardown),

@@ -13,7 +13,10 @@
 
 static json_t *read_text(const char **flaw, const char *text)
 {
-    return vvi_message_read(flaw, text, strlen(text));
+    bool no_memory;
+    json_t *message = vvi_message_read(flaw, &no_memory, text, strlen(text));
+    assert_false(no_memory);
+    return message;
 }
 
 static void numbers_are_what_they_are(void **state)

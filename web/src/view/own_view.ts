@@ -2,7 +2,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { Connection } from "../connection";
 import type { Failure } from "../failure";
-import { drawFrame, Finality, parseFrame, type Frame } from "../frames";
+import { drawFrame, Finality, isWhole, parseFrame, type Frame } from "../frames";
 import type { Json, ServerMessage, StatusMessage } from "../protocol";
 
 export class OwnView {
@@ -66,6 +66,10 @@ export class OwnView {
   private async draw(buffer: ArrayBuffer): Promise<void> {
     const frame = parseFrame(buffer);
     if (!frame || !this.canvas) return;
+    if (!isWhole(frame)) {
+      this.link.send({ type: "ack", frame: frame.number });
+      return;
+    }
     this.finality.take(frame.number);
     await drawFrame(this.canvas, frame).catch(() => {});
     const { picture: _, ...rest } = frame;

@@ -48,6 +48,9 @@ typedef struct vvi_h5 {
     bool long_lengths; /* of 8 bytes */
 } vvi_h5;
 
+/** The library crashes, or ends the program, where it is refused memory: VV_E_MEMORY where there is not as much as it
+ * needs by far, and `more` for its samples. Before it is called to write; what is read is read by another process. */
+vv_status vvi_h5_reserve(size_t more);
 void vvi_h5_lock(void);
 void vvi_h5_unlock(void);
 /** The file for reading, through the source; the lock is held. */

@@ -4,6 +4,7 @@
  *   rule of shapes (docs/formats.md)
  *   directions with origin (ours), element_size_um, element_size, spacing, resolution, voxel_size,
  * pixel_size Numbers of spacing are in the order of the data set's axes: z, y, x. */
+#include "core/json_text.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "io/cf_axes.h"
@@ -29,12 +30,15 @@ static bool roles_are_whole(const char *roles, int rank)
     return strchr(roles, 'x') != NULL;
 }
 
-static void roles_of_tags(char *roles, hid_t data)
+static vv_status roles_of_tags(char *roles, hid_t data)
 {
     char text[4096];
+    vvi_json_flaw flaw;
     if (!vvi_h5_text(text, sizeof text, data, "axistags"))
-        return;
-    json_t *tags = json_loads(text, 0, NULL);
+        return VV_OK;
+    json_t *tags = vvi_json_decode(text, strlen(text), 0, &flaw);
+    if (!tags && flaw.fault == VVI_JSON_MEMORY)
+        return vv_fail_memory(strlen(text));
     json_t *axes = json_object_get(tags, "axes");
     for (size_t i = 0; i < json_array_size(axes) && i < VVI_H5_RANK; i++) {
         const char *key = json_string_value(json_object_get(json_array_get(axes, i), "key"));
@@ -42,6 +46,7 @@ static void roles_of_tags(char *roles, hid_t data)
         roles[i + 1] = 0;
     }
     json_decref(tags);
+    return VV_OK;
 }
 
 /* "tzyxc", "t,z,y,x,c", "time,lat,lon", any case. */
@@ -108,7 +113,8 @@ static vv_status choose_roles(vvi_h5_plan *plan, const vvi_netcdf *axes, hid_t d
     const int rank = plan->set.rank;
     char roles[VVI_H5_RANK + 1] = "";
     bool said = false;
-    roles_of_tags(roles, data);
+    if (roles_of_tags(roles, data) != VV_OK)
+        return vv_error_last()->status;
     for (int i = 0; i < 3 && !roles_are_whole(roles, rank); i++) {
         said = said || roles[0];
         roles[0] = 0;

@@ -1,12 +1,15 @@
 /* The HDF5 library on our bounded input, behind one lock. Files are opened for reading through a driver of our own:
  * nothing is ever written or locked, no other file is opened, and what a file that is cut short still has is read. */
 #include "core/job.h"
+#include "core/memory.h"
 #include "io/formats/hdf5/hdf5.h"
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define HEAP_MOST 4096
+#define NEEDS ((size_t)16 << 20) /* of the library, to begin with and for a file: three or four MiB, measured */
 
 static const uint8_t magic[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 
@@ -52,6 +55,13 @@ static bool read_bytes(void *user, haddr_t address, size_t n, void *out)
 }
 
 /* The lock -------------------------------------------------------------------------------------------------------- */
+
+vv_status vvi_h5_reserve(size_t more)
+{
+    void *room = vvi_realloc_plain(NULL, NEEDS + more); /* not touched: it costs nothing */
+    free(room);
+    return room ? VV_OK : vv_fail_memory(NEEDS + more);
+}
 
 void vvi_h5_lock(void)
 {

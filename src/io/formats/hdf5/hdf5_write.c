@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { COPIES = 6 }; /* of a chunk: as it comes, shuffled, packed, in its cache, and some to spare */
+
 typedef struct writing {
     vv_sink *sink;
     const char *name;
@@ -16,6 +18,7 @@ typedef struct writing {
     hsize_t dims[VVI_H5_RANK], chunk[VVI_H5_RANK];
     uint8_t *slab;
     size_t slice_bytes, room, used;
+    size_t copies;        /* bytes of the chunks that the library holds while it writes one */
     hsize_t frame, slice; /* where the slab begins */
     bool time;
 } writing;
@@ -76,6 +79,9 @@ static vv_status flush(writing *w)
     const hsize_t n = w->used / w->slice_bytes;
     if (n == 0)
         return VV_OK;
+    const vv_status st = vvi_h5_reserve(w->copies);
+    if (st != VV_OK)
+        return st;
     memcpy(count, w->dims, sizeof count);
     if (w->time) {
         start[0] = w->frame;
@@ -90,11 +96,11 @@ static vv_status flush(writing *w)
                          H5Dwrite(w->data, w->native, from, to, H5P_DEFAULT, w->slab) >= 0;
     H5Sclose(to);
     H5Sclose(from);
-    const vv_status st = written ? VV_OK : fail_writing(w->name);
+    const vv_status wrote = written ? VV_OK : fail_writing(w->name);
     vvi_h5_unlock();
     w->slice += n;
     w->used = 0;
-    return st;
+    return wrote;
 }
 
 static vv_status take_rows(void *user, void *data, size_t n_bytes)
@@ -120,11 +126,16 @@ static vv_status create(writing *w, const vv_field_info *info, size_t n_frames, 
     int fd;
     char axes[VVI_H5_RANK + 1];
     const bool raw = options->encoding && strcmp(options->encoding, "raw") == 0;
-    vv_status st = vvi_sink_file(&fd, w->sink);
+    shape(w, axes, info, n_frames);
+    w->copies = COPIES * vv_type_bytes(info->type);
+    for (int a = 0; a < w->rank; a++)
+        w->copies *= (size_t)w->chunk[a];
+    vv_status st = vvi_h5_reserve(w->copies);
+    if (st == VV_OK)
+        st = vvi_sink_file(&fd, w->sink);
     if (st != VV_OK)
         return st;
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
-    shape(w, axes, info, n_frames);
     H5Pset_obj_track_times(creation, false); /* the same bytes whenever it is written */
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
     if (!raw) {
@@ -174,8 +185,11 @@ vv_status vvi_h5_write(vv_sink *sink, const vv_field *const *frames, size_t n_fr
                        vv_job *job)
 {
     writing w = {.sink = sink, .name = vvi_sink_name(sink), .file = -1, .data = -1, .native = -1};
+    vv_status st = vvi_h5_reserve(0);
+    if (st != VV_OK)
+        return st;
     vvi_h5_lock();
-    vv_status st = create(&w, vv_field_get_info(frames[0]), n_frames, options);
+    st = create(&w, vv_field_get_info(frames[0]), n_frames, options);
     vvi_h5_unlock();
     if (st == VV_OK)
         st = write_frames(&w, frames, n_frames, job);
