@@ -165,6 +165,9 @@ vv_status vvi_measure_joint_histogram(vvi_measuring *m)
     vvi_text small = {0};
     vv_measure_options of = m->choice;
     vv_status st = VV_OK;
+    if (vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL)
+        return vv_fail(VV_E_ARGUMENT, "%s is of labels, whose numbers have no gradient: 'labels' measures each of them",
+                       m->input->name);
     take_options(&o, m);
     if (of.seeded && (st = vvi_measuring_choose(m)) == VV_OK)
         of = m->choice;

@@ -14,12 +14,27 @@ double vvi_place_error(const vvi_measuring *m)
     return sqrt(sum / 3); /* along one direction */
 }
 
+/* Of lengths between places. */
+static const char *unit_of(const vvi_measuring *m)
+{
+    return m->field          ? vv_field_get_info(m->field)->grid.unit
+           : m->input->shown ? m->input->unit
+                             : vv_mesh_get_info(m->input->mesh)->unit;
+}
+
+/* Places beside a mesh are as they are given: how well they are known nobody says. */
+static double error_of(const vvi_measuring *m)
+{
+    return m->field ? vvi_place_error(m) : NAN;
+}
+
 /* The places, of which p has as many as are needed, in the world and told. */
 static vv_status find_places(vv_vec3 *p, size_t n, vvi_measuring *m, const char *what)
 {
     const vv_status st = vvi_measuring_points(p, n, m, what);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
-        p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
+        if (m->field)
+            p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
         vvi_tell_line(m->answer, i ? "" : "places", "%.6g, %.6g, %.6g", p[i].x, p[i].y, p[i].z);
     }
     if (st == VV_OK)
@@ -50,7 +65,6 @@ static double length_error(const vv_vec3 *p, size_t n, double place_error)
 /* Between two places, or from each of several to the next. */
 vv_status vvi_measure_distance(vvi_measuring *m)
 {
-    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const size_t given = m->asked->points ? m->asked->points->n / 3 : 0, n = given > 2 ? given : 2;
     vv_vec3 *p = vvi_answer_room(m->answer, n, sizeof *p);
     if (!p)
@@ -61,10 +75,15 @@ vv_status vvi_measure_distance(vvi_measuring *m)
     double length = 0;
     for (size_t i = 0; i + 1 < n; i++)
         length += vvi_length(vvi_sub(p[i + 1], p[i]));
-    vvi_tell_text(m->answer, "unit", grid->unit);
-    vvi_tell(m->answer, "distance", n > 2 ? "length" : "distance", length, length_error(p, n, vvi_place_error(m)),
-             grid->unit);
+    vvi_tell_text(m->answer, "unit", unit_of(m));
+    vvi_tell(m->answer, "distance", n > 2 ? "length" : "distance", length, length_error(p, n, error_of(m)), unit_of(m));
     return VV_OK;
+}
+
+vv_status vvi_measure_mesh_distance(vvi_measuring *m)
+{
+    const size_t given = m->asked->points ? m->asked->points->n / 3 : 0;
+    return given < 2 ? vvi_measure_point_to_surface(m) : vvi_measure_distance(m);
 }
 
 /* At the second of three points. */
@@ -78,7 +97,7 @@ vv_status vvi_measure_angle(vvi_measuring *m)
     const double la = vvi_length(a), lb = vvi_length(b), degrees = 57.29577951308232;
     if (!(la > 0) || !(lb > 0))
         return vv_fail(VV_E_ARGUMENT, "an angle needs three places, the middle one beside the others");
-    const double error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * vvi_place_error(m) * degrees;
+    const double error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * error_of(m) * degrees;
     vvi_tell(m->answer, "angle", "angle", atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees, error, "deg");
     return VV_OK;
 }
@@ -194,6 +213,8 @@ static void keep_profile(vvi_measuring *m, const line *l)
     const double error[] = {sqrt(2) * vvi_place_error(m), most, errors / n_values, most};
     static const char *const names[] = {"length", "min", "mean", "max"};
     for (int i = 0; i < 4; i++) {
+        if (i == 2 && info->meaning == VV_MEANING_LABEL) /* numbers of labels have no mean */
+            continue;
         vvi_figure f = {.key = names[i], .value = v[i], .error = error[i]};
         snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
         vvi_tell_figure_for(m->answer, &f, VV_FOR_SCENES);
