@@ -1,16 +1,17 @@
 /** How a dataset came about, as a list that can be edited: steps are switched off, moved, put between others and removed. */
 import { useEffect, useState } from "preact/hooks";
-import { copyText } from "../actions";
+import { copyText } from "../clipboard";
 import { datasetOf, reasonOf } from "../failure";
 import { Icon } from "../icons";
 import { Properties } from "../inspector/properties";
-import { tryEdit } from "../session";
+import { tryAsk, tryEdit } from "../session";
 import * as store from "../store";
 import { IconButton, Switch } from "../ui/controls";
+import { leaveRow } from "../ui/focus";
 import { label, sentence, titleOf, valueAt } from "../values";
 import type { Edit } from "../protocol";
 import { freshStep, tables } from "./state";
-import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step } from "./chain";
+import { chainOf, moveStep, removeStep, summaryOf, type Chain, type Step } from "./chain";
 
 /** Edits, or why there are none. */
 function take(edits: Edit[] | string): boolean {
@@ -19,9 +20,10 @@ function take(edits: Edit[] | string): boolean {
   return typeof edits !== "string";
 }
 
-function copy(text: { text: string } | string): void {
-  if (typeof text === "string") store.notify("warning", text);
-  else void copyText(text.text);
+/** As `volvis pipe` reads it: the whole line, or what stands between its quotation marks. */
+async function copy(form: "pipe" | "chain", dataset: string): Promise<void> {
+  const value = await tryAsk<{ text: string }>({ type: "command", form, dataset });
+  if (value) await copyText(value.text, form === "pipe" ? undefined : "The chain is copied.");
 }
 
 function shownName(id: string): string {
@@ -37,6 +39,7 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   const fixed = store.readOnly.value;
   const move = (to: number) => take(moveStep(tables(), chain, at, to));
   const remove = () => {
+    leaveRow("li");
     if (!take(removeStep(tables(), chain, step.id))) return;
     const before = at > 0 ? chain.steps[at - 1]!.id : chain.source;
     if (store.selection.value === `datasets.${step.id}` && before) store.selection.value = `datasets.${before}`;
@@ -111,8 +114,8 @@ export function Pipeline({ dataset }: { dataset: string }) {
       <div class="pipeline-tools">
         <button type="button" class="button button-small" disabled={store.readOnly.value} onClick={() => { store.dialog.value = { name: "filters", after: chain.steps.at(-1)!.id }; }}>Add a step</button>
         <button type="button" class="button button-small" disabled={store.readOnly.value} onClick={() => { store.dialog.value = { name: "write", dataset }; }}>Save data as…</button>
-        <button type="button" class="button button-small" onClick={() => copy(pipeCommand(tables(), chain, `${dataset}.nrrd`))}>Copy as command</button>
-        <button type="button" class="button button-small" onClick={() => copy(chainText(tables(), chain))}>Copy chain</button>
+        <button type="button" class="button button-small" onClick={() => void copy("pipe", dataset)}>Copy as command</button>
+        <button type="button" class="button button-small" onClick={() => void copy("chain", dataset)}>Copy chain</button>
       </div>
     </section>
   );

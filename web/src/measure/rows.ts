@@ -15,7 +15,7 @@ export interface Row {
   kind: string;
   /** The name of the figure that stands for its kind. */
   main: string;
-  /** The volume that it is of, in the World's words. */
+  /** The volume that it is of, in the World's words; of a series with the time step: "heart, step 3". */
   of: string;
   visible: boolean;
   figures: Figure[];
@@ -43,7 +43,9 @@ export function mainFigure(row: Pick<Row, "figures" | "main">): Figure | null {
 
 const ROUNDING = 1e-9;
 
+/** b: what is kept; that of older versions does not say its time step. */
 export function isSame(a: Figure[], b: Figure[]): boolean {
+  if (stepOf(b) === undefined && stepOf(a) !== undefined) return isSame(a.filter((figure) => figure.name !== "time_step"), b);
   return a.length === b.length && a.every((row, i) => {
     const [x, y] = [row.value, b[i]!.value];
     return row.name === b[i]!.name && (x === y || Math.abs((x ?? NaN) - (y ?? NaN)) <= ROUNDING * Math.max(Math.abs(x ?? 0), Math.abs(y ?? 0)));
@@ -55,12 +57,17 @@ export function rowOf(id: string, stored: Json | undefined, now: { figures: Figu
   const kept = figuresOf(object["figures"]);
   const what = String(object["what"] ?? "summary");
   const points = object["points"];
+  const figures = now.figures ?? (now.error ? [] : kept);
+  const step = stepOf(figures);
   const kind = what === "distance" && Array.isArray(points) && points.length > 2 ? "polyline" : what; // as its tool is called
   return {
-    id, title: titleOf(object, id), kind, main: main(what), of, visible: object["visible"] !== false,
-    figures: now.figures ?? (now.error ? [] : kept), error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
+    id, title: titleOf(object, id), kind, main: main(what), of: step === undefined ? of : `${of}, step ${step}`, visible: object["visible"] !== false,
+    figures, error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
   };
 }
+
+/** Which time step of a series was measured. */
+const stepOf = (figures: Figure[]): number | undefined => figures.find((figure) => figure.name === "time_step")?.value;
 
 function keyOf(row: Row, by: Column): string | number {
   const figure = mainFigure(row);
