@@ -86,6 +86,7 @@ const own: Action[] = [
   { name: "redo", title: "Redo", group: "Edit", icon: "redo", enabled: () => store.canRedo.value, run: () => step("redo") },
   { name: "filter", title: "Filter", doc: "all operations on data, with a preview", group: "Edit", icon: "operation", enabled: () => mayEdit() && somethingShown(), run: open("filters") },
   { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
+  { name: "cinematic", title: "Shadows and ambient occlusion on or off", doc: "cinematic lighting", group: "Edit", icon: "light", enabled: () => mayEdit() && somethingShown() && lightingPath() !== null, run: toggleLighting },
   { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", enabled: mayEdit, run: addCutPlane },
   { name: "cut", title: "Cut plane on or off", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: toggleCutPlane },
   { name: "cut-next", title: "Cut from the next side", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: turnCutPlane },
