@@ -1,5 +1,5 @@
 /** How a dataset came about, as a list that can be edited: steps are switched off, moved, put between others and removed. */
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { copyText } from "../clipboard";
 import { datasetOf, reasonOf } from "../failure";
 import { Icon } from "../icons";
@@ -7,7 +7,6 @@ import { Properties } from "../inspector/properties";
 import { tryAsk, tryEdit } from "../session";
 import * as store from "../store";
 import { IconButton, Switch } from "../ui/controls";
-import { leaveRow } from "../ui/focus";
 import { label, sentence, titleOf, valueAt } from "../values";
 import type { Edit } from "../protocol";
 import { freshStep, tables } from "./state";
@@ -30,6 +29,9 @@ function shownName(id: string): string {
   return titleOf(valueAt(store.world.value, `datasets.${id}`), id);
 }
 
+/** The step that has the focus when the list is there again: one that was moved, or that stands beside one that is gone. */
+let next: string | null = null;
+
 function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; at: number; open: boolean; toggle: () => void }) {
   const [over, setOver] = useState(false);
   const operation = tables().operations.find((row) => row.name === step.operation);
@@ -37,9 +39,15 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   const failure = store.failed.value;
   const why = failure && datasetOf(failure) === step.id ? reasonOf(failure) : "";
   const fixed = store.readOnly.value;
-  const move = (to: number) => take(moveStep(tables(), chain, at, to));
+  const button = useRef<HTMLButtonElement>(null);
+  const move = (to: number) => { if (take(moveStep(tables(), chain, at, to))) next = step.id; };
+  useEffect(() => {
+    if (next !== step.id) return;
+    next = null;
+    button.current?.focus();
+  });
   const remove = () => {
-    leaveRow("li");
+    next = chain.steps[at > 0 ? at - 1 : 1]?.id ?? null;
     if (!take(removeStep(tables(), chain, step.id))) return;
     const before = at > 0 ? chain.steps[at - 1]!.id : chain.source;
     if (store.selection.value === `datasets.${step.id}` && before) store.selection.value = `datasets.${before}`;
@@ -67,7 +75,7 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
       }}
     >
       <div class="step-head">
-        <button type="button" class="step-name" aria-expanded={open} title={operation ? sentence(operation.doc) : undefined} onClick={toggle}>
+        <button ref={button} type="button" class="step-name" aria-expanded={open} title={operation ? sentence(operation.doc) : undefined} onClick={toggle}>
           <Icon name={open ? "down" : "right"} />
           <span class="step-words"><span class="step-title">{name}</span><span class="step-summary">{step.on ? summaryOf(step) : "switched off"}</span></span>
         </button>

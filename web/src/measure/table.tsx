@@ -56,7 +56,10 @@ function Name({ row }: { row: Row }) {
   const [typed, setTyped] = useState<string | null>(null);
   const chosen = row.id === selected.value;
   const isBack = useRef(false); // by keys: the focus is where it was
+  const isOver = useRef(false); // a field that goes away is left, too
   const end = (keep: boolean, byKey = false) => {
+    if (isOver.current) return;
+    isOver.current = true;
     isBack.current = byKey;
     if (keep && typed !== null && typed !== row.title) rename(row.id, typed);
     setTyped(null);
@@ -71,7 +74,10 @@ function Name({ row }: { row: Row }) {
   if (typed !== null)
     return <input class="measure-rename" type="text" aria-label={`Name of ${row.title}`} value={typed} maxLength={256} ref={(e) => { if (e && document.activeElement !== e) e.focus(); }}
       onInput={(e) => setTyped(e.currentTarget.value)} onKeyDown={key} onBlur={() => end(true)} />;
-  const begin = () => { if (!store.readOnly.value) setTyped(row.title); };
+  const begin = () => {
+    isOver.current = false;
+    if (!store.readOnly.value) setTyped(row.title);
+  };
   return (
     <button
       ref={(e) => { if (e && isBack.current) { isBack.current = false; e.focus(); } }}
