@@ -29,6 +29,7 @@ typedef struct vvi_measuring {
     bool took_missing;     /**< field is without them */
     bool told_seed;        /**< for programs, once */
     bool told_empty;       /**< that the object is empty */
+    bool labels;           /**< its figures are told as those of labels */
     char object[160];      /**< what it is, for people */
     char region[96];
 } vvi_measuring;
@@ -90,8 +91,8 @@ vv_status vvi_measuring_points(vv_vec3 *out, size_t n, const vvi_measuring *m, c
 const char *vvi_measuring_subset(const vvi_measuring *m, bool object);
 /** Of a series: which time step was measured. */
 void vvi_measuring_put_step(vvi_measuring *m);
-/** Whether the samples are labels, as the file says, or (*sensed) look like labels, as pictures show them; *untold:
- * that takes more memory than there is. */
+/** Whether the samples are labels, as the scene or the file says, or (*sensed) look like labels, as pictures show them;
+ * *untold: that takes more memory than there is. */
 vv_status vvi_measuring_of_labels(bool *labels, bool *sensed, bool *untold, const vvi_measuring *m);
 /** The file's name without its folder, for titles. */
 const char *vvi_measuring_title(const vvi_measuring *m);

@@ -115,16 +115,17 @@ static bool in_grid(const vv_grid *grid, vv_vec3 p)
 vv_status vvi_measure_point(vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
-    const bool labels = info->meaning == VV_MEANING_LABEL;
+    bool sensed, untold;
     vv_vec3 p, world;
     vvi_probe probe;
     vv_status st = find_places(&world, 1, m, "point");
-    if (st != VV_OK || (st = vvi_measuring_points(&p, 1, m, "point")) != VV_OK)
+    if (st != VV_OK || (st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m)) != VV_OK ||
+        (st = vvi_measuring_points(&p, 1, m, "point")) != VV_OK)
         return st;
     const double index[3] = {p.x, p.y, p.z};
     const bool inside = in_grid(&info->grid, p);
     vvi_tell_numbers(m->answer, "index", index, 3);
-    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
+    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, m->labels, m->job)) != VV_OK)
         return st;
     vvi_tell(m->answer, "value", "value", inside ? vvi_probe_value(&probe, index) : NAN,
              inside ? vvi_probe_error(&probe, index) : NAN, info->value_unit);
@@ -213,7 +214,7 @@ static void keep_profile(vvi_measuring *m, const line *l)
     const double error[] = {sqrt(2) * vvi_place_error(m), most, errors / n_values, most};
     static const char *const names[] = {"length", "min", "mean", "max"};
     for (int i = 0; i < 4; i++) {
-        if (i == 2 && info->meaning == VV_MEANING_LABEL) /* numbers of labels have no mean */
+        if (i == 2 && m->labels) /* their numbers have no mean */
             continue;
         vvi_figure f = {.key = names[i], .value = v[i], .error = error[i]};
         snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
@@ -272,23 +273,23 @@ static void put_profile(vvi_measuring *m, const vvi_probe *probe, const vv_vec3 
 vv_status vvi_measure_profile(vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
-    const bool labels = info->meaning == VV_MEANING_LABEL;
+    bool sensed, untold;
     vv_vec3 p[2];
     vvi_probe probe;
     vv_status st = vvi_measuring_points(p, 2, m, "profile");
-    if (st != VV_OK)
+    if (st != VV_OK || (st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m)) != VV_OK)
         return st;
     const double steps = vvi_length(vvi_sub(p[1], p[0]));
     if (steps == 0)
         vvi_tell_note(m->answer, "both places of the profile are the same: it has no length, and one value");
     const int64_t n = vvi_asks(m, "samples") ? m->asked->samples : (int64_t)fmin(2 * steps + 2, 1e6);
-    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
+    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, m->labels, m->job)) != VV_OK)
         return st;
     vvi_tell_text(m->answer, "unit", info->grid.unit);
     vvi_tell_text(m->answer, "value_unit", info->value_unit);
     vvi_tell_line(m->answer, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
-                  *info->value_unit ? " in " : "", info->value_unit, labels ? "of the nearest sample" : "interpolated",
-                  steps);
+                  *info->value_unit ? " in " : "", info->value_unit,
+                  m->labels ? "of the nearest sample" : "interpolated", steps);
     put_profile(m, &probe, p, n);
     vvi_probe_close(&probe);
     return VV_OK;

@@ -257,13 +257,14 @@ bool vvi_measuring_count_steps(vvi_measuring *m)
 vv_status vvi_measuring_of_labels(bool *out, bool *sensed, bool *untold, const vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
+    const int says = m->input->says_labels;
     size_t n = 0;
     vv_status st = VV_OK;
-    if (info->meaning == VV_MEANING_SCALAR && info->components == 1)
+    if (says == 0 && info->meaning == VV_MEANING_SCALAR && info->components == 1)
         st = vvi_label_sense(&n, m->field, m->choice.component, m->job);
     *untold = st == VV_E_LIMIT || st == VV_E_MEMORY; /* what goes through slab by slab is not looked at whole */
     *sensed = n > 0;
-    *out = *sensed || info->meaning == VV_MEANING_LABEL;
+    *out = *sensed || says > 0 || (says == 0 && info->meaning == VV_MEANING_LABEL);
     return *untold ? VV_OK : st;
 }
 

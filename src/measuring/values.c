@@ -32,9 +32,6 @@ static void put_label_values(vvi_measuring *m, const vv_values *v)
     if (v->exact)
         put_value(m, "mode", "most frequent", v->mode, v->count ? 0 : NAN, 0);
     vvi_tell_figure(m->answer, &(vvi_figure){"entropy", "entropy", v->count ? v->entropy : NAN, NAN, "bit"});
-    vvi_tell_note(m->answer,
-                  "these are labels, whose numbers have no mean, deviation or percentiles: 'labels' measures "
-                  "each of them");
 }
 
 static void put_statistics(vvi_measuring *m, const vv_values *v)
@@ -144,9 +141,8 @@ enum { BARS_MOST = 1024, MARKS = 5 };
 /* Percentiles, which labels do not have, and the threshold where one was asked for. */
 static size_t make_marks(vvi_plot_mark *marks, const vvi_measuring *m, const vv_values *v)
 {
-    const bool amounts = vv_field_get_info(m->field)->meaning != VV_MEANING_LABEL;
     size_t n = 0;
-    if (amounts) {
+    if (!m->labels) {
         marks[n++] = (vvi_plot_mark){v->percentile[1], "1 %", false};
         marks[n++] = (vvi_plot_mark){v->percentile[3], "median", false};
         marks[n++] = (vvi_plot_mark){v->percentile[5], "99 %", false};
@@ -176,7 +172,7 @@ static void plot_histogram(vvi_measuring *m, const vv_values *v, bool object)
         x[i] = v->lo + (v->hi - v->lo) * fmin((double)(i * each) / (double)v->n_bins, 1);
     snprintf(x_label, sizeof x_label, "%s%s%s", *name ? name : "value", *unit ? ", " : "", unit);
     const int n_title = snprintf(title, sizeof title, "%.60s: %.9g samples", vvi_measuring_title(m), (double)v->count);
-    if (vv_field_get_info(m->field)->meaning != VV_MEANING_LABEL)
+    if (!m->labels)
         snprintf(title + n_title, sizeof title - (size_t)n_title, ", mean %.5g, deviation %.4g", v->mean, v->deviation);
     *plot = (vvi_plot){.title = vvi_answer_copy(a, title),
                        .subtitle = vvi_measuring_subset(m, object),
@@ -217,21 +213,22 @@ static vv_status find_values(vv_values **out, bool *object, vvi_measuring *m, bo
     return vv_measure_values(out, m->field, &o, m->job);
 }
 
-/* As the file says, or as pictures show them: then what is told is said to be of labels. */
+/* As the scene or the file says, or as pictures show them. */
 static vv_status put_figures(vvi_measuring *m, const vv_values *v)
 {
-    bool labels = false, sensed = false, untold = false;
-    const vv_status st = vvi_measuring_of_labels(&labels, &sensed, &untold, m);
+    bool sensed = false, untold = false;
+    const vv_status st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m);
     if (st != VV_OK)
         return st;
-    if (labels && !sensed) {
-        put_label_values(m, v);
+    if (!m->labels) {
+        put_statistics(m, v);
         return VV_OK;
     }
-    put_statistics(m, v);
-    if (sensed)
-        vvi_tell_note(m->answer, "values look like labels: if they are, the mean, deviation and percentiles are of "
-                                 "their numbers and say nothing; 'labels' measures each of them");
+    put_label_values(m, v);
+    vvi_tell_note(m->answer,
+                  "%s, whose numbers have no mean, deviation or percentiles: 'labels' measures each of them%s",
+                  sensed ? "values look like labels" : "these are labels",
+                  sensed ? "; a scene whose segmentation.kind is transfer says that they are amounts" : "");
     return VV_OK;
 }
 

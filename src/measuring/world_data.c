@@ -72,6 +72,15 @@ bool vvi_world_surface_value(double *out, const vv_world *world, const char *vie
     return get(iso, world, view, name) && vvi_parse_number(out, iso);
 }
 
+/* How samples are shown, where people said so. */
+static int says_labels(const vv_volume *volume)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    if (!vv_object_is_set(&segmentation->base, "kind"))
+        return 0;
+    return segmentation->kind == VV_SEGMENT_LABELS ? 1 : -1;
+}
+
 /* A label between two others is none of the values between them. */
 static bool shows_labels(const vv_field *field, const vv_volume *volume)
 {
@@ -117,6 +126,8 @@ vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *fie
                                           .n_frames = info.n_frames}};
     data->labels = file ? vv_file_labels(file, &data->n_labels) : NULL;
     take_planes(out, world->cut_planes, NULL);
+    if (v)
+        data->says_labels = says_labels(v);
     if (v && !shows_labels(field, v))
         data->ranged = vvi_world_surface_value(&data->lo, world, view, job);
     if (v) {

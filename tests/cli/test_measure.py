@@ -1163,6 +1163,17 @@ def test_numbers_of_labels_have_no_mean():
     assert "mean" not in found and "deviation" not in found and "percentiles" not in found and found["count"] == 24 ** 3, found
     says(ok("measure", "histogram", "organs.seg.nrrd", "-o", "h.svg").message, "no mean", "'labels' measures each")
     says(fails(2, "measure", "joint", "organs.seg.nrrd"), "have no gradient")
+    write_blocks()  # which look like labels, and are shown as such, unless somebody says otherwise
+    found = ok("measure", "statistics", "blocks.nrrd")
+    assert "mean" not in found.text.replace("no mean", ""), found.text
+    says(found.message, "look like labels", "segmentation.kind is transfer")
+    amounts = ("--set", "volumes.blocks.segmentation.kind=transfer", "--json")
+    assert ok("measure", "statistics", "blocks.nrrd", *amounts).json["mean"] > 0
+    write("half.nrrd", (distance_to(24, (11, 11, 11)) < 8).astype(np.uint8))
+    assert "mean" in ok("measure", "statistics", "half.nrrd", "--json").json
+    assert "mean" not in ok("measure", "statistics", "half.nrrd", "--set", "volumes.half.segmentation.kind=labels", "--json").json
+    at = [ok("measure", "point", "blocks.nrrd", "--point", place, "--json").json["value"] for place in ("8,8,8", "8.4,8.4,8.4", "8.6,8.4,8.4", "9,8,8")]
+    assert at[0] == at[1] and at[2] == at[3], at  # of the nearest sample
 
 
 def test_what_meshes_of_a_scene_do_not_have_is_refused_in_a_sentence():
