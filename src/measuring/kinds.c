@@ -77,6 +77,7 @@ static const vv_measure_kind kinds[] = {
                {MESH, 0, 0, "points input_unit", 0, vvi_measure_angle}, {SHOWN, 0, 0, "points", 0, vvi_measure_angle})},
     {.name = "labels",
      .doc = "count, volume, area and place of every label",
+     .main = "labels",
      .forms = OF_VOLUME("values component method box cut_planes", vvi_measure_label_table)},
     {.name = "geodesic",
      .doc = "the path between two points along a surface",

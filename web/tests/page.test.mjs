@@ -336,6 +336,25 @@ describe("the page", TOGETHER, () => {
     assert.equal(await page.getByRole("combobox", { name: "Method", exact: true }).last().inputValue(), "otsu");
   }));
 
+  test("shadows and ambient occlusion stand beside the lights, and are switched by name", () => withPage([], async (page) => {
+    await page.locator(".tree-name", { hasText: "key" }).click();
+    const shadows = page.getByRole("switch", { name: "Shadows", exact: true });
+    assert.equal(await shadows.getAttribute("aria-checked"), "false");
+    await page.getByRole("combobox", { name: "Lighting", exact: true }).selectOption("cinematic");
+    await until(async () => (await shadows.getAttribute("aria-checked")) === "true", "cinematic light is not said to have shadows");
+    assert.deepEqual(editsOf(page)[0].edits, [{ op: "set", path: "views.main.render.raycast.lighting", value: "cinematic" }]);
+    await page.getByRole("switch", { name: "Ambient occlusion", exact: true }).click();
+    await until(() => editsOf(page).length === 2, "it is not switched off");
+    assert.deepEqual(editsOf(page)[1].edits, [{ op: "set", path: "views.main.render.raycast.ambient_occlusion", value: false }]);
+    await search(page, "shadows and ambient occlusion on");
+    await until(() => editsOf(page).length === 3, "the command does nothing");
+    assert.deepEqual(editsOf(page)[2].edits, [{ op: "unset", path: "views.main.render.raycast.lighting" }]);
+    await page.locator(".tree-name", { hasText: "Rendering" }).click();
+    await page.getByRole("combobox", { name: "Method" }).selectOption("surface");
+    await page.locator(".tree-name", { hasText: "key" }).click();
+    await page.getByText("lights every place as if it were alone").waitFor();
+  }));
+
   test("a step that cannot be made says so where it is and over the picture, until it can", () => withPage(["--made"], async (page) => {
     await page.locator(".tree-name", { hasText: "body" }).click();
     const range = page.getByRole("textbox", { name: "Range", exact: true });

@@ -93,13 +93,17 @@ export function MeasureRoom() {
         <Tools />
         {shown && shown.takes !== "points" ? <Wish of={shown} /> : null}
         <span class="grow" />
-        {all.some((row) => row.changed) && !store.readOnly.value
-          ? <button type="button" class="button button-small" title="Store what comes out now in the scene" onClick={keepResults}>Keep new results</button> : null}
         <IconButton icon="copy" label="Copy CSV" disabled={!all.length} onClick={() => void copyText(csvOfRows(all), "The table is copied as CSV.")} />
         <IconButton icon="save" label="Save CSV" disabled={!all.length} onClick={() => saveText(csvOfRows(all), "measurements.csv", "text/csv")} />
         <IconButton icon="close" label="Close the Measurement room" onClick={toggleRoom} />
       </header>
       <Hint />
+      {all.some((row) => row.changed) ? (
+        <div class="measure-stale">
+          <span><span class="measure-changed" />Figures with a mark are others than those that the scene keeps.</span>
+          {store.readOnly.value ? null : <button type="button" class="button button-small" onClick={keepResults}>Keep new results</button>}
+        </div>
+      ) : null}
       <div class="measure-body">
         <Table />
         <Detail />

@@ -15,8 +15,10 @@ export interface Row {
   kind: string;
   /** The name of the figure that stands for its kind. */
   main: string;
-  /** The volume that it is of, in the World's words; of a series with the time step: "heart, step 3". */
+  /** The volume that it is of, in the World's words. */
   of: string;
+  /** Of a series: which time step. */
+  step: number | undefined;
   visible: boolean;
   figures: Figure[];
   /** Why it has none. */
@@ -61,7 +63,7 @@ export function rowOf(id: string, stored: Json | undefined, now: { figures: Figu
   const step = stepOf(figures);
   const kind = what === "distance" && Array.isArray(points) && points.length > 2 ? "polyline" : what; // as its tool is called
   return {
-    id, title: titleOf(object, id), kind, main: main(what), of: step === undefined ? of : `${of}, step ${step}`, visible: object["visible"] !== false,
+    id, title: titleOf(object, id), kind, main: main(what), of, step, visible: object["visible"] !== false,
     figures, error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
   };
 }
@@ -69,8 +71,14 @@ export function rowOf(id: string, stored: Json | undefined, now: { figures: Figu
 /** Which time step of a series was measured. */
 const stepOf = (figures: Figure[]): number | undefined => figures.find((figure) => figure.name === "time_step")?.value;
 
+/** "heart, step 3". */
+export function ofText({ of, step }: Row): string {
+  return step === undefined ? of : `${of}, step ${step}`;
+}
+
 function keyOf(row: Row, by: Column): string | number {
   const figure = mainFigure(row);
+  if (by === "of") return ofText(row);
   if (by === "value" || by === "error") return figure?.[by] ?? NaN;
   return row[by];
 }
@@ -103,5 +111,5 @@ export function csvOf(head: string[], rows: (string | number | null | undefined)
 /** A line for each figure, with all digits. */
 export function csvOfRows(rows: Row[]): string {
   return csvOf(["name", "kind", "of", "quantity", "value", "error", "unit"],
-    rows.flatMap((row) => row.figures.map((f) => [row.title, row.kind, row.of, f.name, f.value, f.error, f.unit])));
+    rows.flatMap((row) => row.figures.map((f) => [row.title, row.kind, ofText(row), f.name, f.value, f.error, f.unit])));
 }

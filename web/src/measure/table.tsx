@@ -9,7 +9,7 @@ import { IconButton } from "../ui/controls";
 import { leaveRow } from "../ui/focus";
 import { formatNumber, label } from "../values";
 import { commandOf, remove, rename, rows, selected, show } from "./room";
-import { mainFigure, sorted, type Column, type Order, type Row } from "./rows";
+import { mainFigure, ofText, sorted, type Column, type Order, type Row } from "./rows";
 import { unitText } from "./units";
 
 const order = signal<Order | null>(null);
@@ -24,7 +24,7 @@ function sortBy(by: Column): void {
 }
 
 /** Of which volume, only where there are several, or time steps. */
-const columns = () => COLUMNS.filter(({ by }) => by !== "of" || rows.value.some((row) => row.of !== rows.value[0]!.of || row.figures.some((figure) => figure.name === "time_step")));
+const columns = () => COLUMNS.filter(({ by }) => by !== "of" || rows.value.some((row) => row.of !== rows.value[0]!.of || row.step !== undefined));
 
 function Head() {
   const now = order.value;
@@ -103,7 +103,7 @@ function Result({ row }: { row: Row }) {
     <>
       <td class={`measure-number ${row.changed ? "measure-changed" : ""}`} title={row.changed ? "Another than what the scene keeps" : figure ? label(figure.name) : undefined}>
         {value === undefined ? "none" : `${formatNumber(value, 5)}${unitText(unit)}`}
-        {row.figures.length > 1 && figure ? <span class="measure-which">{label(figure.name).toLowerCase()}</span> : null}
+        {row.figures.length > (row.step === undefined ? 1 : 2) && figure ? <span class="measure-which">{label(figure.name).toLowerCase()}</span> : null}
       </td>
       <td class="measure-number measure-error">{error === undefined ? "" : `± ${formatNumber(error, 2)}`}</td>
     </>
@@ -129,7 +129,7 @@ export function Table() {
               </td>
               <td><Name row={row} /></td>
               <td>{label(row.kind)}</td>
-              {columns().some(({ by }) => by === "of") ? <td class="measure-of" title={row.of}>{row.of}</td> : null}
+              {columns().some(({ by }) => by === "of") ? <td class="measure-of" title={ofText(row)}><span class="measure-of-name">{row.of}</span>{row.step === undefined ? null : <span>{`, step ${row.step}`}</span>}</td> : null}
               <Result row={row} />
               <td class="measure-narrow measure-do">
                 <IconButton icon="terminal" label={`Copy the command line of ${row.title}`} onClick={() => void copyLine(row.id)} />
