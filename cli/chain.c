@@ -241,6 +241,13 @@ static vv_status open_input(cli_input *out, step *s, size_t i)
                : vvi_dataset_open(&out->file, *s->world, dataset, s->command->job);
 }
 
+/* Those that are left out have places, too: "mask=m.nrrd" may be the third. */
+static const vv_operand *operand_of(const step *s, size_t i)
+{
+    const vv_operation *operation = s->verb.operation;
+    return vv_operation_operand(operation, operation->inputs[0].names ? i : s->args.place[i]);
+}
+
 /* As `volvis NAME` reads its options: lengths of the first input, channels and labels by its names, or labels by those
  * of the further input that the operation says. */
 static vv_status make_params(vv_object **out, step *s)
@@ -251,7 +258,7 @@ static vv_status make_params(vv_object **out, step *s)
     if (st == VV_OK)
         st = open_input(&input, s, 0);
     for (size_t i = 1; i < s->args.n_words && st == VV_OK && !other.path; i++)
-        if (vv_operation_operand(s->verb.operation, i)->names_labels)
+        if (operand_of(s, i)->names_labels)
             st = open_input(&other, s, i);
     const cli_label_names labels = cli_label_names_of(s->command, other.path ? &other : &input);
     if (st == VV_OK)
@@ -282,7 +289,7 @@ static void input_name(char out[ID_ROOM], const step *s, const char *names, size
     if (operation->inputs[0].names)
         name_input(out, names, i);
     else
-        snprintf(out, ID_ROOM, "%s", vv_operation_operand(operation, i)->name);
+        snprintf(out, ID_ROOM, "%s", operand_of(s, i)->name);
 }
 
 /* What is piped in has no name, and gets one of the alphabet. */

@@ -156,7 +156,7 @@ const cli_verb cli_verb_measure = {
         "after \xc2\xb1, its error.\ndistance is the distance between two points, from one --point to a surface, "
         "or between two surfaces (smallest, mean and Hausdorff); geodesic is the path between two points along a "
         "surface. Surfaces are mesh files, or volumes at --iso. For mesh files area, volume and box can be "
-        "measured too; points are in their own space. For scenes of meshes these three can be measured, as the "
+        "measured too; points are in their own space. Meshes of scenes are measured as the "
         "scene places them.\nAreas do not include the faces where the object is cut off by the volume's border, a "
         "box or a plane; --closed adds them.\n--store stores the measurement and its results in a scene; WHAT "
         "stored, or just a scene that has measurements, repeats all of them, or those named after the scene, and "

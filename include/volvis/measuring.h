@@ -38,6 +38,8 @@ typedef struct vv_measured_data {
     const char *shown;  /**< id of a scene's mesh; NULL: it is not of a scene */
     const char *unit;   /**< of its lengths in the scene */
     const char *called; /**< the label that is asked for, as whoever asks calls it; NULL: by its number */
+    int says_labels;    /**< what the scene says of the samples: 1: labels, -1: amounts; 0: neither */
+    int64_t frame, n_frames; /**< of a series: which time step, from 0, and how many there are; n_frames 0 or 1: none */
 } vv_measured_data;
 
 /** What a question is about. Fill with zeros, then set what there is. All of it borrowed. */

@@ -144,7 +144,7 @@ static vv_status find(int64_t out[3], const flood *f, const int64_t seed[3])
     return best < INT64_MAX ? VV_OK
                             : vv_fail(VV_E_ARGUMENT,
                                       "the seed %lld,%lld,%lld is not in the object, nor is any sample within %d of "
-                                      "it; give the index of a sample inside",
+                                      "it; give a place inside",
                                       (long long)seed[0], (long long)seed[1], (long long)seed[2], REACH);
 }
 

@@ -55,7 +55,8 @@ static bool same(const vv_measured_figure *a, const vv_measured_figure *b)
 
 static void add(vvi_changes *out, const vv_measured_figure *was, const vv_measured_figure *now)
 {
-    const bool changed = out->compared && !same(was, now);
+    const bool is_new_step = !was && strcmp(name_of(now), VVI_TIME_STEP) == 0;
+    const bool changed = out->compared && !is_new_step && !same(was, now);
     out->change[out->n++] = (vvi_change){was, now, changed};
     out->n_changed += changed;
 }

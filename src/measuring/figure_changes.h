@@ -5,6 +5,9 @@
 #define VVI_MEASURING_FIGURE_CHANGES_H
 #include <volvis/model.h>
 
+/** The figure that says which time step of a series was measured; scenes of older versions do not have it. */
+#define VVI_TIME_STEP "time_step"
+
 typedef struct vvi_change {
     const vv_measured_figure *was, *now; /**< NULL: there is none; never both */
     bool changed;                        /**< by more than another processor may make of the last digits */

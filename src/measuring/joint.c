@@ -164,7 +164,13 @@ vv_status vvi_measure_joint_histogram(vvi_measuring *m)
     vv_joint *j = NULL;
     vvi_text small = {0};
     vv_measure_options of = m->choice;
+    bool sensed, untold;
     vv_status st = VV_OK;
+    if ((st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m)) != VV_OK)
+        return st;
+    if (m->labels && !sensed)
+        return vv_fail(VV_E_ARGUMENT, "%s is of labels, whose numbers have no gradient: 'labels' measures each of them",
+                       m->input->name);
     take_options(&o, m);
     if (of.seeded && (st = vvi_measuring_choose(m)) == VV_OK)
         of = m->choice;

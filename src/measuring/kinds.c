@@ -63,7 +63,8 @@ static const vv_measure_kind kinds[] = {
                     {VOLUME, VOLUME, 0, SURFACE "other_iso other_label", VVI_SURFACE, vvi_measure_two_surfaces},
                     {VOLUME | MESH, VOLUME | MESH, 0, SURFACE "other_iso other_label input_unit", VVI_SURFACE,
                      vvi_measure_two_surfaces},
-                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_point_to_surface},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_mesh_distance},
+                    {SHOWN, 0, 0, "points", VVI_SURFACE, vvi_measure_mesh_distance},
                     {VOLUME, 0, 1, SURFACE "points space seed", VVI_SURFACE, vvi_measure_point_to_surface},
                     {VOLUME, 0, 0, "points space", 0, vvi_measure_distance})},
     {.name = "angle",
@@ -71,9 +72,12 @@ static const vv_measure_kind kinds[] = {
      .main = "angle",
      .least_points = 3,
      .most_points = 3,
-     .forms = OF_VOLUME("points space", vvi_measure_angle)},
+     .forms =
+         FORMS({VOLUME, 0, 0, "points space", 0, vvi_measure_angle},
+               {MESH, 0, 0, "points input_unit", 0, vvi_measure_angle}, {SHOWN, 0, 0, "points", 0, vvi_measure_angle})},
     {.name = "labels",
      .doc = "count, volume, area and place of every label",
+     .main = "labels",
      .forms = OF_VOLUME("values component method box cut_planes", vvi_measure_label_table)},
     {.name = "geodesic",
      .doc = "the path between two points along a surface",
@@ -82,7 +86,8 @@ static const vv_measure_kind kinds[] = {
      .least_points = 2,
      .most_points = 2,
      .forms = FORMS({VOLUME, 0, 0, SURFACE "points space seed", VVI_SURFACE, vvi_measure_geodesic},
-                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_geodesic})},
+                    {MESH, 0, 0, "points input_unit", VVI_SURFACE, vvi_measure_geodesic},
+                    {SHOWN, 0, 0, "points", VVI_SURFACE, vvi_measure_geodesic})},
     {.name = "summary",
      .doc = "statistics, area, volume and box",
      .main = "volume",
@@ -134,8 +139,8 @@ const vv_measure_form *vv_measure_form_of(const vv_measure_kind *kind, unsigned 
     return NULL;
 }
 
-/* "area, volume and box": kinds that have a form of such data, and none of `not`. */
-static void list_kinds(vvi_text *out, unsigned input, unsigned not )
+/* "area, volume and box": kinds that have a form of such data. */
+static void list_kinds(vvi_text *out, unsigned input)
 {
     const char *names[N_KINDS];
     size_t n = 0;
@@ -143,7 +148,7 @@ static void list_kinds(vvi_text *out, unsigned input, unsigned not )
         unsigned of = 0;
         for (const vv_measure_form *form = kinds[i].forms; form->run; form++)
             of |= form->input;
-        if ((of & input) && !(of & not ) && !kinds[i].covers)
+        if ((of & input) && !kinds[i].covers)
             names[n++] = kinds[i].name;
     }
     for (size_t i = 0; i < n; i++)
@@ -154,15 +159,13 @@ vv_status vvi_measure_refuse(const vv_measure_kind *kind, unsigned input, const 
 {
     vvi_text shown = {0}, mesh = {0};
     vv_status st = VV_E_ARGUMENT;
-    list_kinds(&shown, SHOWN, 0);
-    list_kinds(&mesh, MESH, input == SHOWN ? SHOWN : 0);
+    list_kinds(&shown, SHOWN);
+    list_kinds(&mesh, MESH);
     if (shown.bad || mesh.bad)
         st = vv_fail_memory(shown.n + mesh.n);
     else if (input == SHOWN)
-        vv_fail(st,
-                "%s shows meshes, of which %s are measured where it places them, and no %s; %s are of the mesh files "
-                "themselves: name these",
-                name, shown.s, kind->name, mesh.s);
+        vv_fail(st, "%s shows meshes, of which %s are measured where it places them, and no %s", name, shown.s,
+                kind->name);
     else if (input == MESH)
         vv_fail(st, "%s is a mesh, which has %s; no %s", name, mesh.s, kind->name);
     else
@@ -184,13 +187,53 @@ static unsigned is_what(const vv_measured_data *data)
     return !data ? 0 : data->field ? VOLUME : data->shown ? SHOWN : MESH;
 }
 
+/* Words of data, for sentences. */
+static const char *sort_of(const vvi_measuring *m)
+{
+    const unsigned is = is_what(m->inputs->input);
+    return m->inputs->other ? "and a second surface"
+           : is == MESH     ? "a mesh"
+           : is == SHOWN    ? "a mesh of a scene"
+                            : "a volume";
+}
+
+/* Whether a property asks for something: others name the measurement, its data, or what came out of it. */
+static bool asks_of(const vvi_measuring *m, const char *name)
+{
+    const vv_measurement *q = m->asked;
+    if (!vvi_asks(m, name) || vvi_measure_has_word("title what file other figures volume visible", name))
+        return false;
+    if (strcmp(name, "region") == 0)
+        return vvi_measurement_has_region(q);
+    if (strcmp(name, "cut_planes") == 0)
+        return q->cut_planes->n > 0;
+    if (strcmp(name, "points") == 0)
+        return q->points && q->points->n > 0;
+    /* how places are told, of which there are none; those on a mesh are in its own space anyway */
+    if (strcmp(name, "space") == 0)
+        return q->space != VV_MEASURE_IN_WORLD && vvi_measure_has_word(m->uses, "points");
+    return true;
+}
+
+/* A part or an object that would be ignored is the answer to another question. */
+static vv_status refuse_unused(const vvi_measuring *m)
+{
+    for (const vv_property *row = vvi_measurement_class.properties; row->name; row++)
+        if (asks_of(m, row->name) && !vvi_measure_has_word(m->uses, row->name))
+            return vv_fail(VV_E_ARGUMENT, "'%s' has no effect on the %s of %s, %s: leave it out", row->name,
+                           vv_measure_kind_of(m->asked)->name, m->inputs->input->name, sort_of(m));
+    return VV_OK;
+}
+
 /* A volume is opened before, unless a surface of it is meant. */
 static vv_status run_form(vvi_measuring *m, const vv_measure_form *form)
 {
     vv_answer *answer = m->answer;
     m->uses = form->uses;
     const bool opened = m->input->field && !(form->what & VVI_SURFACE);
-    vv_status st = opened ? vvi_measuring_open(m) : VV_OK;
+    vv_status st = refuse_unused(m);
+    if (st == VV_OK && opened)
+        st = vvi_measuring_open(m);
     m->what = form->what;
     if (st == VV_OK && opened)
         vvi_tell_text(answer, "region", m->region);
@@ -198,6 +241,8 @@ static vv_status run_form(vvi_measuring *m, const vv_measure_form *form)
         snprintf(answer->object, sizeof answer->object, "%s", m->object);
         snprintf(answer->region, sizeof answer->region, "%s", vvi_measuring_is_part(m) ? m->region : "");
     }
+    if (st == VV_OK)
+        vvi_measuring_put_step(m);
     vvi_measuring_close(m);
     return st;
 }

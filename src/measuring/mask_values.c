@@ -4,6 +4,7 @@
 #include "grid/same_grid.h"
 #include "grid/true_values.h"
 #include "measuring/measuring.h"
+#include "measuring/world_data.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -56,11 +57,12 @@ static vv_status fit(vv_field **field, const vvi_measuring *m, bool marks, const
     return st;
 }
 
-/* The same samples elsewhere in the world. */
-static vv_status put_at(vv_field **out, const vv_measured_data *data, const vv_affine *place)
+/* The same samples elsewhere in the world, in the unit of those that are measured. */
+static vv_status put_at(vv_field **out, const vv_measured_data *data, const vvi_measuring *m)
 {
     vv_field_info info = *vv_field_get_info(data->field);
-    info.grid.index_to_world = vv_affine_compose(*place, info.grid.index_to_world);
+    vvi_grid_take_unit(&info.grid, vv_field_get_info(m->field)->grid.unit);
+    info.grid.index_to_world = vv_affine_compose(m->input->place, info.grid.index_to_world);
     return vvi_field_relabel(out, data->field, &info);
 }
 
@@ -69,7 +71,7 @@ vv_status vvi_measuring_beside(vv_field **out, const vvi_measuring *m, const vv_
     char about[192];
     if (!data || !data->field)
         return vv_fail(VV_E_ARGUMENT, "the %s is not there", marks ? "mask" : "volume of values");
-    const vv_status st = put_at(out, data, &m->input->place);
+    const vv_status st = put_at(out, data, m);
     snprintf(about, sizeof about, "%s %.160s", marks ? "mask" : "volume of values", data->name);
     if (st != VV_OK)
         return st;

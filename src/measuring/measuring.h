@@ -29,6 +29,7 @@ typedef struct vvi_measuring {
     bool took_missing;     /**< field is without them */
     bool told_seed;        /**< for programs, once */
     bool told_empty;       /**< that the object is empty */
+    bool labels;           /**< its figures are told as those of labels */
     char object[160];      /**< what it is, for people */
     char region[96];
 } vvi_measuring;
@@ -88,6 +89,11 @@ vv_status vvi_measuring_box(vv_box *out, const char *typed, const vv_grid *grid)
 vv_status vvi_measuring_points(vv_vec3 *out, size_t n, const vvi_measuring *m, const char *what);
 /** Which samples a plot is of, for the line under its title; "" of all. object: those of the object alone. */
 const char *vvi_measuring_subset(const vvi_measuring *m, bool object);
+/** Of a series: which time step was measured. */
+void vvi_measuring_put_step(vvi_measuring *m);
+/** Whether the samples are labels, as the scene or the file says, or (*sensed) look like labels, as pictures show them;
+ * *untold: that takes more memory than there is. */
+vv_status vvi_measuring_of_labels(bool *labels, bool *sensed, bool *untold, const vvi_measuring *m);
 /** The file's name without its folder, for titles. */
 const char *vvi_measuring_title(const vvi_measuring *m);
 
@@ -108,6 +114,8 @@ vv_status vvi_measure_histogram(vvi_measuring *m);
 vv_status vvi_measure_joint_histogram(vvi_measuring *m);
 vv_status vvi_measure_profile(vvi_measuring *m);
 vv_status vvi_measure_distance(vvi_measuring *m);
+/** Of a mesh: between places, or from a single one to its surface. */
+vv_status vvi_measure_mesh_distance(vvi_measuring *m);
 vv_status vvi_measure_angle(vvi_measuring *m);
 vv_status vvi_measure_point(vvi_measuring *m);
 vv_status vvi_measure_label_table(vvi_measuring *m);

@@ -8,4 +8,6 @@
 
 /** The figures that `what` asks for. */
 void vvi_mesh_measures_put(vv_answer *answer, unsigned what, const vv_mesh_measures *measures, const char *unit);
+/** What a scene shows of a mesh, in its World: where it is placed, and what planes leave of it. */
+vv_status vvi_shown_mesh(vv_mesh **out, const vv_measured_data *shown, vv_job *job);
 #endif

@@ -14,12 +14,27 @@ double vvi_place_error(const vvi_measuring *m)
     return sqrt(sum / 3); /* along one direction */
 }
 
+/* Of lengths between places. */
+static const char *unit_of(const vvi_measuring *m)
+{
+    return m->field          ? vv_field_get_info(m->field)->grid.unit
+           : m->input->shown ? m->input->unit
+                             : vv_mesh_get_info(m->input->mesh)->unit;
+}
+
+/* Places beside a mesh are as they are given: how well they are known nobody says. */
+static double error_of(const vvi_measuring *m)
+{
+    return m->field ? vvi_place_error(m) : NAN;
+}
+
 /* The places, of which p has as many as are needed, in the world and told. */
 static vv_status find_places(vv_vec3 *p, size_t n, vvi_measuring *m, const char *what)
 {
     const vv_status st = vvi_measuring_points(p, n, m, what);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
-        p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
+        if (m->field)
+            p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
         vvi_tell_line(m->answer, i ? "" : "places", "%.6g, %.6g, %.6g", p[i].x, p[i].y, p[i].z);
     }
     if (st == VV_OK)
@@ -50,7 +65,6 @@ static double length_error(const vv_vec3 *p, size_t n, double place_error)
 /* Between two places, or from each of several to the next. */
 vv_status vvi_measure_distance(vvi_measuring *m)
 {
-    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const size_t given = m->asked->points ? m->asked->points->n / 3 : 0, n = given > 2 ? given : 2;
     vv_vec3 *p = vvi_answer_room(m->answer, n, sizeof *p);
     if (!p)
@@ -61,10 +75,15 @@ vv_status vvi_measure_distance(vvi_measuring *m)
     double length = 0;
     for (size_t i = 0; i + 1 < n; i++)
         length += vvi_length(vvi_sub(p[i + 1], p[i]));
-    vvi_tell_text(m->answer, "unit", grid->unit);
-    vvi_tell(m->answer, "distance", n > 2 ? "length" : "distance", length, length_error(p, n, vvi_place_error(m)),
-             grid->unit);
+    vvi_tell_text(m->answer, "unit", unit_of(m));
+    vvi_tell(m->answer, "distance", n > 2 ? "length" : "distance", length, length_error(p, n, error_of(m)), unit_of(m));
     return VV_OK;
+}
+
+vv_status vvi_measure_mesh_distance(vvi_measuring *m)
+{
+    const size_t given = m->asked->points ? m->asked->points->n / 3 : 0;
+    return given < 2 ? vvi_measure_point_to_surface(m) : vvi_measure_distance(m);
 }
 
 /* At the second of three points. */
@@ -78,7 +97,7 @@ vv_status vvi_measure_angle(vvi_measuring *m)
     const double la = vvi_length(a), lb = vvi_length(b), degrees = 57.29577951308232;
     if (!(la > 0) || !(lb > 0))
         return vv_fail(VV_E_ARGUMENT, "an angle needs three places, the middle one beside the others");
-    const double error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * vvi_place_error(m) * degrees;
+    const double error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * error_of(m) * degrees;
     vvi_tell(m->answer, "angle", "angle", atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees, error, "deg");
     return VV_OK;
 }
@@ -96,16 +115,17 @@ static bool in_grid(const vv_grid *grid, vv_vec3 p)
 vv_status vvi_measure_point(vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
-    const bool labels = info->meaning == VV_MEANING_LABEL;
+    bool sensed, untold;
     vv_vec3 p, world;
     vvi_probe probe;
     vv_status st = find_places(&world, 1, m, "point");
-    if (st != VV_OK || (st = vvi_measuring_points(&p, 1, m, "point")) != VV_OK)
+    if (st != VV_OK || (st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m)) != VV_OK ||
+        (st = vvi_measuring_points(&p, 1, m, "point")) != VV_OK)
         return st;
     const double index[3] = {p.x, p.y, p.z};
     const bool inside = in_grid(&info->grid, p);
     vvi_tell_numbers(m->answer, "index", index, 3);
-    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
+    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, m->labels, m->job)) != VV_OK)
         return st;
     vvi_tell(m->answer, "value", "value", inside ? vvi_probe_value(&probe, index) : NAN,
              inside ? vvi_probe_error(&probe, index) : NAN, info->value_unit);
@@ -194,6 +214,8 @@ static void keep_profile(vvi_measuring *m, const line *l)
     const double error[] = {sqrt(2) * vvi_place_error(m), most, errors / n_values, most};
     static const char *const names[] = {"length", "min", "mean", "max"};
     for (int i = 0; i < 4; i++) {
+        if (i == 2 && m->labels) /* their numbers have no mean */
+            continue;
         vvi_figure f = {.key = names[i], .value = v[i], .error = error[i]};
         snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
         vvi_tell_figure_for(m->answer, &f, VV_FOR_SCENES);
@@ -251,23 +273,23 @@ static void put_profile(vvi_measuring *m, const vvi_probe *probe, const vv_vec3 
 vv_status vvi_measure_profile(vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
-    const bool labels = info->meaning == VV_MEANING_LABEL;
+    bool sensed, untold;
     vv_vec3 p[2];
     vvi_probe probe;
     vv_status st = vvi_measuring_points(p, 2, m, "profile");
-    if (st != VV_OK)
+    if (st != VV_OK || (st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m)) != VV_OK)
         return st;
     const double steps = vvi_length(vvi_sub(p[1], p[0]));
     if (steps == 0)
         vvi_tell_note(m->answer, "both places of the profile are the same: it has no length, and one value");
     const int64_t n = vvi_asks(m, "samples") ? m->asked->samples : (int64_t)fmin(2 * steps + 2, 1e6);
-    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, labels, m->job)) != VV_OK)
+    if ((st = vvi_probe_open(&probe, m->field, m->choice.component, m->labels, m->job)) != VV_OK)
         return st;
     vvi_tell_text(m->answer, "unit", info->grid.unit);
     vvi_tell_text(m->answer, "value_unit", info->value_unit);
     vvi_tell_line(m->answer, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
-                  *info->value_unit ? " in " : "", info->value_unit, labels ? "of the nearest sample" : "interpolated",
-                  steps);
+                  *info->value_unit ? " in " : "", info->value_unit,
+                  m->labels ? "of the nearest sample" : "interpolated", steps);
     put_profile(m, &probe, p, n);
     vvi_probe_close(&probe);
     return VV_OK;

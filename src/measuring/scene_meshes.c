@@ -1,4 +1,5 @@
 /* Meshes of a scene, where it places them and cut as it cuts them. */
+#include "core/memory.h"
 #include "core/vec.h"
 #include "measuring/meshes.h"
 #include "surface/clip.h"
@@ -52,6 +53,50 @@ static vv_status measure_shown(vv_mesh_measures *out, const vv_measured_data *s,
     vv_status st = measure_cut(out, s, true, open, job);
     if (st == VV_OK && s->n_planes && !closed && (st = measure_cut(&without, s, false, true, job)) == VV_OK)
         out->area = without.area;
+    return st;
+}
+
+/* Places, and triangles that still face outwards where it is mirrored. */
+static vv_status move(vv_mesh **out, const vv_mesh *mesh, const vv_measured_data *s, vv_job *job)
+{
+    vv_mesh_info info = *vv_mesh_get_info(mesh);
+    vv_affine linear = s->place;
+    linear.origin = vvi_vec(0, 0, 0); /* positions are told from the mesh's origin, which moves in double precision */
+    float *positions = vvi_calloc(3 * info.n_vertices + 1, sizeof *positions);
+    uint32_t *triangles = vvi_calloc(3 * info.n_triangles + 1, sizeof *triangles);
+    vv_status st = positions && triangles ? VV_OK : vv_fail_memory(3 * info.n_vertices * sizeof *positions);
+    for (size_t i = 0; st == VV_OK && i < info.n_vertices; i++) {
+        const float *p = info.positions + 3 * i;
+        const vv_vec3 q = vv_affine_point(linear, vvi_vec(p[0], p[1], p[2]));
+        positions[3 * i] = (float)q.x;
+        positions[3 * i + 1] = (float)q.y;
+        positions[3 * i + 2] = (float)q.z;
+    }
+    const bool mirrored = vv_affine_determinant(s->place) < 0;
+    for (size_t i = 0; st == VV_OK && i < 3 * info.n_triangles; i++)
+        triangles[i] = info.triangles[mirrored ? i - i % 3 + 2 - i % 3 : i];
+    info.origin = vv_affine_point(s->place, info.origin);
+    info.positions = positions;
+    info.triangles = triangles;
+    info.normals = NULL;
+    snprintf(info.unit, sizeof info.unit, "%s", s->unit);
+    if (st == VV_OK)
+        st = vv_mesh_new(out, &info, job);
+    free(positions);
+    free(triangles);
+    return st;
+}
+
+vv_status vvi_shown_mesh(vv_mesh **out, const vv_measured_data *shown, vv_job *job)
+{
+    vv_mesh *kept = NULL;
+    *out = NULL;
+    vv_status st = cut(&kept, shown, false, job);
+    if (st == VV_OK && vv_mesh_get_info(kept)->n_triangles == 0)
+        st = vv_fail(VV_E_ARGUMENT, "volumes.%s: planes leave nothing of the mesh", shown->shown);
+    if (st == VV_OK)
+        st = move(out, kept, shown, job);
+    vv_mesh_release(kept);
     return st;
 }
 

@@ -6,6 +6,7 @@
 #include "grid/label_id.h"
 #include "grid/label_sense.h"
 #include "measure/object.h"
+#include "measuring/figure_changes.h"
 #include "measuring/measuring.h"
 #include <math.h>
 #include <stdio.h>
@@ -114,7 +115,7 @@ static vv_status to_index(vv_vec3 *out, const vvi_measuring *m, const char *opti
 {
     vv_affine inverse;
     *out = asked;
-    if (m->asked->space == VV_MEASURE_IN_INDEX)
+    if (m->asked->space == VV_MEASURE_IN_INDEX || !m->field) /* of a mesh: in its own space */
         return VV_OK;
     if (!vv_affine_invert(&inverse, vv_field_get_info(m->field)->grid.index_to_world))
         return vv_fail(VV_E_ARGUMENT, "--%s: the grid's axes lie in one plane; give numbers of samples", option);
@@ -253,21 +254,18 @@ bool vvi_measuring_count_steps(vvi_measuring *m)
     return true;
 }
 
-/* The file says it, or pictures show these whole numbers as labels. */
-static vv_status of_labels(bool *out, bool *sensed, const vvi_measuring *m)
+vv_status vvi_measuring_of_labels(bool *out, bool *sensed, bool *untold, const vvi_measuring *m)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
+    const int says = m->input->says_labels;
     size_t n = 0;
     vv_status st = VV_OK;
-    if (info->meaning == VV_MEANING_SCALAR && info->components == 1)
+    if (says == 0 && info->meaning == VV_MEANING_SCALAR && info->components == 1)
         st = vvi_label_sense(&n, m->field, m->choice.component, m->job);
-    if (st == VV_E_LIMIT || st == VV_E_MEMORY) { /* what goes through slab by slab is not looked at whole */
-        vvi_tell_note(m->answer, "too large for the memory limit to tell whether these are labels; taken for values");
-        st = VV_OK;
-    }
+    *untold = st == VV_E_LIMIT || st == VV_E_MEMORY; /* what goes through slab by slab is not looked at whole */
     *sensed = n > 0;
-    *out = *sensed || info->meaning == VV_MEANING_LABEL;
-    return st;
+    *out = *sensed || says > 0 || (says == 0 && info->meaning == VV_MEANING_LABEL);
+    return *untold ? VV_OK : st;
 }
 
 /* Above the value that splits the histogram, or below it where what lies above surrounds the object; a fill is no part
@@ -315,7 +313,7 @@ static vv_status take_missing(vvi_measuring *m)
 
 vv_status vvi_measuring_choose(vvi_measuring *m)
 {
-    bool labels = false, sensed = false;
+    bool labels = false, sensed = false, untold = false;
     vv_statistics *s = NULL;
     vv_status st = VV_OK;
     if (m->chosen)
@@ -324,8 +322,10 @@ vv_status vvi_measuring_choose(vvi_measuring *m)
         snprintf(m->object, sizeof m->object, "all samples");
         return VV_OK;
     }
-    if ((st = of_labels(&labels, &sensed, m)) != VV_OK)
+    if ((st = vvi_measuring_of_labels(&labels, &sensed, &untold, m)) != VV_OK)
         return st;
+    if (untold)
+        vvi_tell_note(m->answer, "too large for the memory limit to tell whether these are labels; taken for values");
     if (!labels && (st = take_missing(m)) != VV_OK)
         return st;
     m->chosen = true;
@@ -388,6 +388,22 @@ void vvi_measuring_close(vvi_measuring *m)
     m->field = m->mask = NULL;
     free(m->outline);
     m->outline = NULL;
+}
+
+void vvi_measuring_put_step(vvi_measuring *m)
+{
+    const vv_measured_data *input = m->inputs->input;
+    const vv_field_info *info = input->field ? vv_field_get_info(input->field) : NULL;
+    if (!info || input->n_frames < 2)
+        return;
+    char at[64] = "";
+    if (info->frame_step > 0)
+        snprintf(at, sizeof at, ", at %.6g %s", (double)input->frame * info->frame_step, info->frame_unit);
+    vvi_tell_line(m->answer, "time step", "%lld of 0 to %lld%s", (long long)input->frame,
+                  (long long)input->n_frames - 1, at);
+    vvi_tell_count(m->answer, VVI_TIME_STEP, (uint64_t)input->frame);
+    vvi_tell_figure_for(m->answer, &(vvi_figure){VVI_TIME_STEP, "", (double)input->frame, NAN, ""},
+                        VV_FOR_TABLES | VV_FOR_SCENES);
 }
 
 /* Plots ----------------------------------------------------------------------------------------------------------- */

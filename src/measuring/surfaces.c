@@ -1,6 +1,6 @@
 /* Distances to, between and along surfaces. A volume's is the mesh of Marching Cubes. */
 #include "core/vec.h"
-#include "measuring/measuring.h"
+#include "measuring/meshes.h"
 #include "surface/clip.h"
 #include "surface/labels.h"
 #include "surface/tracking.h"
@@ -153,14 +153,23 @@ static vv_status open_volume(surface *out, bool second)
     return st == VV_OK ? cut(out, job) : st;
 }
 
-static void open_mesh(surface *out)
+/* Of several that a scene shows the first. */
+static vv_status open_mesh(surface *out)
 {
-    out->mesh = vv_mesh_retain(out->m.input->mesh);
+    const vv_measured_data *input = out->m.input;
+    const vv_status st = input->shown ? vvi_shown_mesh(&out->mesh, input, out->m.job) : VV_OK;
+    if (st != VV_OK)
+        return st;
+    if (input->shown && out->m.inputs->n_inputs > 1)
+        vvi_tell_note(out->m.answer, "of %zu meshes the first, %s, is measured", out->m.inputs->n_inputs, input->shown);
+    if (!input->shown)
+        out->mesh = vv_mesh_retain(input->mesh);
     const vv_mesh_info *info = vv_mesh_get_info(out->mesh);
     float largest = 0;
     for (size_t i = 0; i < 3 * info->n_vertices; i++)
         largest = fmaxf(largest, fabsf(info->positions[i]));
     out->off = 2 * (double)FLT_EPSILON * (double)largest;
+    return VV_OK;
 }
 
 /* second: of two; what is asked of it alone holds. */
@@ -168,10 +177,7 @@ static vv_status open_surface(surface *out, const vvi_measuring *m, const vv_mea
 {
     *out = (surface){.m = {.asked = m->asked, .inputs = m->inputs, .input = data, .answer = m->answer, .job = m->job}};
     out->is_volume = data->field != NULL;
-    if (out->is_volume)
-        return open_volume(out, second);
-    open_mesh(out);
-    return VV_OK;
+    return out->is_volume ? open_volume(out, second) : open_mesh(out);
 }
 
 static void put_surface(vv_answer *a, const surface *s, const char *key, const char *label)

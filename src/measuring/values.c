@@ -23,6 +23,17 @@ static int percentile_digits(const vv_values *v)
     return isfinite(least) && largest > 0 ? (int)fmin(fmax(ceil(log10(largest / least)) + 2, 6), 15) : 6;
 }
 
+/* Of labels: which there are, and how they share the samples. Their numbers are names, and have no mean. */
+static void put_label_values(vvi_measuring *m, const vv_values *v)
+{
+    vvi_tell_figure(m->answer, &(vvi_figure){"count", "samples", (double)v->count, NAN, ""});
+    put_value(m, "min", "least label", v->min, NAN, 0);
+    put_value(m, "max", "largest label", v->max, NAN, 0);
+    if (v->exact)
+        put_value(m, "mode", "most frequent", v->mode, v->count ? 0 : NAN, 0);
+    vvi_tell_figure(m->answer, &(vvi_figure){"entropy", "entropy", v->count ? v->entropy : NAN, NAN, "bit"});
+}
+
 static void put_statistics(vvi_measuring *m, const vv_values *v)
 {
     static const double percents[] = VV_VALUES_PERCENTS;
@@ -127,13 +138,15 @@ static void put_bars(vv_answer *a, const vv_values *v)
 
 enum { BARS_MOST = 1024, MARKS = 5 };
 
-/* Percentiles, and the threshold where one was asked for. */
+/* Percentiles, which labels do not have, and the threshold where one was asked for. */
 static size_t make_marks(vvi_plot_mark *marks, const vvi_measuring *m, const vv_values *v)
 {
     size_t n = 0;
-    marks[n++] = (vvi_plot_mark){v->percentile[1], "1 %", false};
-    marks[n++] = (vvi_plot_mark){v->percentile[3], "median", false};
-    marks[n++] = (vvi_plot_mark){v->percentile[5], "99 %", false};
+    if (!m->labels) {
+        marks[n++] = (vvi_plot_mark){v->percentile[1], "1 %", false};
+        marks[n++] = (vvi_plot_mark){v->percentile[3], "median", false};
+        marks[n++] = (vvi_plot_mark){v->percentile[5], "99 %", false};
+    }
     const bool given = vvi_asks(m, "threshold_lo") || vvi_asks(m, "threshold_hi") || vvi_asks(m, "iso");
     if (given && m->choice.lo > v->lo && m->choice.lo < v->hi)
         marks[n++] = (vvi_plot_mark){m->choice.lo, "threshold", true};
@@ -158,8 +171,9 @@ static void plot_histogram(vvi_measuring *m, const vv_values *v, bool object)
     for (size_t i = 0; i <= n; i++)
         x[i] = v->lo + (v->hi - v->lo) * fmin((double)(i * each) / (double)v->n_bins, 1);
     snprintf(x_label, sizeof x_label, "%s%s%s", *name ? name : "value", *unit ? ", " : "", unit);
-    snprintf(title, sizeof title, "%.60s: %.9g samples, mean %.5g, deviation %.4g", vvi_measuring_title(m),
-             (double)v->count, v->mean, v->deviation);
+    const int n_title = snprintf(title, sizeof title, "%.60s: %.9g samples", vvi_measuring_title(m), (double)v->count);
+    if (!m->labels)
+        snprintf(title + n_title, sizeof title - (size_t)n_title, ", mean %.5g, deviation %.4g", v->mean, v->deviation);
     *plot = (vvi_plot){.title = vvi_answer_copy(a, title),
                        .subtitle = vvi_measuring_subset(m, object),
                        .x_label = vvi_answer_copy(a, x_label),
@@ -199,7 +213,26 @@ static vv_status find_values(vv_values **out, bool *object, vvi_measuring *m, bo
     return vv_measure_values(out, m->field, &o, m->job);
 }
 
-static void put_values(vvi_measuring *m, const vv_values *v, bool object)
+/* As the scene or the file says, or as pictures show them. */
+static vv_status put_figures(vvi_measuring *m, const vv_values *v)
+{
+    bool sensed = false, untold = false;
+    const vv_status st = vvi_measuring_of_labels(&m->labels, &sensed, &untold, m);
+    if (st != VV_OK)
+        return st;
+    if (!m->labels) {
+        put_statistics(m, v);
+        return VV_OK;
+    }
+    put_label_values(m, v);
+    vvi_tell_note(m->answer,
+                  "%s, whose numbers have no mean, deviation or percentiles: 'labels' measures each of them%s",
+                  sensed ? "values look like labels" : "these are labels",
+                  sensed ? "; a scene whose segmentation.kind is transfer says that they are amounts" : "");
+    return VV_OK;
+}
+
+static vv_status put_values(vvi_measuring *m, const vv_values *v, bool object)
 {
     const char *region, *in = vvi_measuring_in(m, &region);
     if (object && v->count + v->nan_count + v->infinite_count == 0)
@@ -209,16 +242,16 @@ static void put_values(vvi_measuring *m, const vv_values *v, bool object)
     vvi_measuring_put_seed(m);
     vvi_tell_line(m->answer, "values", "%s%s%s%s", object ? m->object : "of all samples",
                   m->choice.seeded ? "; the piece around the seed" : "", in, region);
-    put_statistics(m, v);
+    return put_figures(m, v);
 }
 
 vv_status vvi_measure_statistics(vvi_measuring *m)
 {
     vv_values *v = NULL;
     bool object;
-    const vv_status st = find_values(&v, &object, m, false);
+    vv_status st = find_values(&v, &object, m, false);
     if (st == VV_OK)
-        put_values(m, v, object);
+        st = put_values(m, v, object);
     vv_values_free(v);
     return st;
 }
@@ -227,11 +260,12 @@ vv_status vvi_measure_histogram(vvi_measuring *m)
 {
     vv_values *v = NULL;
     bool object;
-    const vv_status st = find_values(&v, &object, m, true);
-    if (st != VV_OK)
+    vv_status st = find_values(&v, &object, m, true);
+    if (st != VV_OK || (st = put_values(m, v, object)) != VV_OK) {
+        vv_values_free(v);
         return st;
+    }
     const bool some = v->count > v->below + v->above;
-    put_values(m, v, object);
     put_histogram(m->answer, v);
     put_table(m->answer, v);
     if (some)

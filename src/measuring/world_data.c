@@ -72,6 +72,15 @@ bool vvi_world_surface_value(double *out, const vv_world *world, const char *vie
     return get(iso, world, view, name) && vvi_parse_number(out, iso);
 }
 
+/* How samples are shown, where people said so. */
+static int says_labels(const vv_volume *volume)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    if (!vv_object_is_set(&segmentation->base, "kind"))
+        return 0;
+    return segmentation->kind == VV_SEGMENT_LABELS ? 1 : -1;
+}
+
 /* A label between two others is none of the values between them. */
 static bool shows_labels(const vv_field *field, const vv_volume *volume)
 {
@@ -92,16 +101,33 @@ static void take_threshold(vv_measured_data *out, const vv_volume *v)
     out->hi = limited ? threshold->hi : INFINITY;
 }
 
-vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file,
+void vvi_grid_take_unit(vv_grid *grid, const char *unit)
+{
+    const double from = vvi_length_unit_metres(grid->unit), to = vvi_length_unit_metres(unit);
+    if (!(from > 0) || !(to > 0) || strcmp(grid->unit, unit) == 0)
+        return;
+    for (int a = 0; a < 3; a++)
+        grid->index_to_world.axis[a] = vvi_scaled(grid->index_to_world.axis[a], from / to);
+    grid->index_to_world.origin = vvi_scaled(grid->index_to_world.origin, from / to);
+    snprintf(grid->unit, sizeof grid->unit, "%s", unit);
+}
+
+vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file, int64_t frame,
                                    const char *name, const vv_world *world, const vv_volume *v, const char *view,
                                    vv_job *job)
 {
     vv_field_info info = *vv_field_get_info(field);
     vv_measured_data *data = &out->data;
-    *out = (vvi_measured_volume){
-        .data = {.name = name, .place = vv_affine_identity(), .planes = out->planes, .hi = INFINITY}};
+    *out = (vvi_measured_volume){.data = {.name = name,
+                                          .place = vv_affine_identity(),
+                                          .planes = out->planes,
+                                          .hi = INFINITY,
+                                          .frame = frame,
+                                          .n_frames = info.n_frames}};
     data->labels = file ? vv_file_labels(file, &data->n_labels) : NULL;
     take_planes(out, world->cut_planes, NULL);
+    if (v)
+        data->says_labels = says_labels(v);
     if (v && !shows_labels(field, v))
         data->ranged = vvi_world_surface_value(&data->lo, world, view, job);
     if (v) {
@@ -109,6 +135,8 @@ vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *fie
         data->component = (int)v->component;
         take_planes(out, v->cut_planes, &data->place);
         take_threshold(data, v);
+        if (world->unit)
+            vvi_grid_take_unit(&info.grid, world->unit);
     }
     info.grid.index_to_world = vv_affine_compose(data->place, info.grid.index_to_world);
     const vv_status st = vvi_field_relabel(&out->field, field, &info);

@@ -30,10 +30,13 @@ bool vvi_world_shows_meshes(const vv_world *world, vv_job *job);
  * whose value nobody has set. Nothing is loaded. */
 bool vvi_world_surface_value(double *out, const vv_world *world, const char *view, vv_job *job);
 
-/** The samples of a volume, which are `field`, as the World has them; volume NULL: the samples alone, cut by its
- * planes. file: what says how their labels are called; NULL: nothing does. name: for people. view: whose surface is the
- * object, "": the first. *out stays where it is while it is used. */
-vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file,
+/** Lengths of a grid in another unit, where both are real ones. */
+void vvi_grid_take_unit(vv_grid *grid, const char *unit);
+/** The samples of a volume, which are `field`, as the World has them, lengths in its unit; volume NULL: the samples
+ * alone, cut by its planes. frame: the time step that they are. file: what says how their labels are called; NULL:
+ * nothing does. name: for people. view: whose surface is the object, "": the first. *out stays where it is while it is
+ * used. */
+vv_status vvi_measured_volume_take(vvi_measured_volume *out, const vv_field *field, const vv_file *file, int64_t frame,
                                    const char *name, const vv_world *world, const vv_volume *volume, const char *view,
                                    vv_job *job);
 void vvi_measured_volume_finish(vvi_measured_volume *volume);

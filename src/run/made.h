@@ -35,6 +35,8 @@ vv_status vvi_made_behind(const vv_dataset **dataset, const char **id, const vv_
 vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 /** Its parameters, read against the row's class with the lengths of its first input; yours to release. */
 vv_status vvi_made_params(vv_object **out, const vvi_made *made, vv_job *job);
+/** Whether inputs that people name as they like are called as the recipe has them, and not as a parameter says. */
+bool vvi_made_is_named(const vvi_made *made, const vv_object *params);
 /** What its samples will be, as planned, within the limits of what comes from outside. */
 vv_status vvi_made_plan(vv_field_info *out, const vvi_made *made, const vv_object *params, vv_job *job);
 /** Its parameters with what samples decide, of all time steps together, kept in the cache; yours to release. */

@@ -359,8 +359,9 @@ static vv_status read_params(vv_object *params, const vvi_made *made, const vv_p
         if (st == VV_OK)
             st = read_param(params, made, name, value, &reading, &up);
     }
+    const bool said = names && json_object_get(tree, names); /* as --names before files without a name */
     json_decref(tree);
-    if (st == VV_OK && names && made->names) {
+    if (st == VV_OK && names && made->names && !said) {
         json_t *text = json_string(made->names);
         st = text ? read_param(params, made, names, text, &reading, &up) : vv_fail_memory(strlen(made->names));
         json_decref(text);
@@ -382,6 +383,14 @@ vv_status vvi_made_params(vv_object **out, const vvi_made *made, vv_job *job)
     else
         vv_object_release(params);
     return st;
+}
+
+bool vvi_made_is_named(const vvi_made *made, const vv_object *params)
+{
+    const char *names = made->operation->inputs[0].names;
+    const vv_property *row = names ? vv_class_find(params->cls, names) : NULL;
+    const char *called = row ? *(char *const *)(const void *)((const char *)params + row->offset) : NULL;
+    return called && made->names && strcmp(called, made->names) == 0;
 }
 
 /* Planning --------------------------------------------------------------------------------------------------------- */

@@ -20,7 +20,7 @@ vv_status vvi_measured_file(vvi_measured *out, vv_file *file, int64_t frame, con
     if (!world)
         return take_bare(out, field, name, st);
     if (st == VV_OK)
-        st = vvi_measured_volume_take(&out->volume, field, file, name, world, volume, view, job);
+        st = vvi_measured_volume_take(&out->volume, field, file, frame, name, world, volume, view, job);
     vv_field_release(field);
     return st;
 }
@@ -63,7 +63,7 @@ vv_status vvi_measured_shown(vvi_measured *out, const vv_world *world, const cha
     if (has_file && (st = vvi_dataset_open(&out->file, world, dataset, job)) != VV_OK)
         return st;
     if ((st = read_samples(&field, out, world, dataset, volume, job)) == VV_OK)
-        st = vvi_measured_volume_take(&out->volume, field, out->file, id, world, volume, view, job);
+        st = vvi_measured_volume_take(&out->volume, field, out->file, volume->frame, id, world, volume, view, job);
     vv_field_release(field);
     return st;
 }

@@ -25,6 +25,16 @@ static vv_status make_first(const vv_run *r, vv_job *job)
     return st;
 }
 
+/* Passes over all samples are too much for a trial. */
+static bool has_passes(const vv_run *r)
+{
+    for (size_t s = 0; s < r->n_steps; s++)
+        if (r->steps[s].operation->passes)
+            return true;
+    return false;
+}
+
+/* What has passes is rehearsed: the memory that its slabs take is asked for, and nothing is read. */
 static vv_status try_in(const vv_run *r, uint64_t limit)
 {
     const vvi_run_plan plan = {r->inputs, r->n_inputs, r->steps, r->takes, r->n_steps, r->name, r->settled};
@@ -41,21 +51,15 @@ static vv_status try_in(const vv_run *r, uint64_t limit)
     vv_status st = vv_runtime_new(&runtime, &options);
     if (st == VV_OK && (st = vv_job_new(&job, runtime, NULL, NULL)) == VV_OK)
         st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job);
-    if (st == VV_OK && (st = vvi_run_make(run)) == VV_OK)
-        st = make_first(run, job);
+    if (st == VV_OK && run->about.streamed) { /* what memory holds as a whole is not tried */
+        run->stream.rehearses = has_passes(r);
+        if ((st = vvi_run_make(run)) == VV_OK)
+            st = make_first(run, job);
+    }
     vv_run_release(run);
     vv_job_release(job);
     vv_runtime_release(runtime);
     return st;
-}
-
-/* Passes over all samples are too much for a trial: they say themselves what they lack. */
-static bool has_passes(const vv_run *r)
-{
-    for (size_t s = 0; s < r->n_steps; s++)
-        if (r->steps[s].operation->passes)
-            return true;
-    return false;
 }
 
 static bool has_looks(const vv_run *r)
@@ -80,13 +84,9 @@ static uint64_t find_need(const vv_run *r, uint64_t limit)
     return enough < 2 ? 0 : limit;
 }
 
-vv_status vvi_run_make_fitting(vv_run *r)
+/* Makes of "there is no memory" how much would be enough. */
+static vv_status tell_need(const vv_run *r)
 {
-    vv_status st = vvi_run_make(r);
-    if (st == VV_OK && r->about.streamed)
-        st = make_first(r, r->job);
-    if (st != VV_E_LIMIT || !r->about.streamed || has_passes(r) || vv_error_last()->file) /* memory is of no file */
-        return st;
     const uint64_t limit = vv_runtime_memory_limit(vv_job_runtime(r->job));
     vvi_error_copy before;
     char text[32], text_limit[32];
@@ -101,7 +101,29 @@ vv_status vvi_run_make_fitting(vv_run *r)
                    r->name, text, text_limit);
 }
 
+/* Before passes begin: what slabs of zeros cannot tell, they say themselves. */
+static vv_status rehearse(const vv_run *r)
+{
+    const vv_status st = try_in(r, vv_runtime_memory_limit(vv_job_runtime(r->job)));
+    return st == VV_E_LIMIT ? tell_need(r) : st == VV_E_CANCELLED ? st : VV_OK;
+}
+
+vv_status vvi_run_make_fitting(vv_run *r)
+{
+    const bool passes = r->about.streamed && has_passes(r);
+    vv_status st = passes ? rehearse(r) : VV_OK;
+    if (st != VV_OK)
+        return st;
+    st = vvi_run_make(r);
+    if (st == VV_OK && r->about.streamed)
+        st = make_first(r, r->job);
+    /* memory is of no file; and what has passed the rehearsal says itself what it lacks */
+    return st != VV_E_LIMIT || !r->about.streamed || passes || vv_error_last()->file ? st : tell_need(r);
+}
+
 vv_status vvi_run_try(vv_run *r)
 {
-    return r->about.streamed && !has_passes(r) && !has_looks(r) ? vvi_run_make_fitting(r) : VV_OK;
+    if (!r->about.streamed || has_looks(r))
+        return VV_OK;
+    return has_passes(r) ? rehearse(r) : vvi_run_make_fitting(r);
 }

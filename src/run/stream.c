@@ -1,9 +1,11 @@
 #include "run/stream.h"
 #include "core/memory.h"
 #include "core/status.h"
+#include "filter/operation.h"
 #include "filter/stream.h"
 #include "io/file_stream.h"
 #include <stdlib.h>
+#include <string.h>
 
 bool vvi_stream_needed(uint64_t bytes, const vv_job *job)
 {
@@ -46,17 +48,63 @@ vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_j
     return st;
 }
 
+/* Zeros, where samples would be read or made in passes. */
+static vv_status make_blank(vv_field **out, void *user, const vv_box *box, vv_job *job)
+{
+    vv_field_info part = *(const vv_field_info *)user;
+    void *data;
+    part.grid = vv_grid_crop(&part.grid, box);
+    return vv_field_new_empty(out, &data, &part, job);
+}
+
+static vv_status blank_field(vv_field **out, const vv_field_info *info, vvi_lazy_pool *pool, vv_job *job)
+{
+    const vvi_lazy_source blank = {make_blank, vvi_free, vvi_alloc(job, sizeof *info, VVI_MEM_MODEL)};
+    *out = NULL;
+    if (!blank.user)
+        return vv_fail_memory(sizeof *info);
+    memcpy(blank.user, info, sizeof *info);
+    return vvi_field_lazy(out, info, &blank, pool, job);
+}
+
+/* A slice of what it works on: the memory that this takes is taken while passes run. */
+static vv_status touch(const vv_field *field, vv_job *job)
+{
+    const int64_t *n = vv_field_get_info(field)->grid.dims;
+    const vv_box slice = {{0, 0, 0}, {n[0], n[1], 1}};
+    vv_brick brick;
+    const vv_status st = vv_field_brick(&brick, field, &slice, job);
+    if (st == VV_OK)
+        vv_brick_release(&brick);
+    return st;
+}
+
+static vv_status rehearse_passes(vv_field **out, vv_field *const *fields, size_t n, const vv_step *step,
+                                 vvi_lazy_pool *pool, vv_job *job)
+{
+    vv_field_info info;
+    vv_status st = vvi_operation_plan(&info, step->operation, (const vv_field *const *)fields, n, step->params);
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        if (fields[i] && !vv_operation_operand(step->operation, i)->grid_only)
+            st = touch(fields[i], job);
+    return st == VV_OK ? blank_field(out, &info, pool, job) : st;
+}
+
 vv_status vvi_stream_read(vv_field **out, const vvi_stream *stream, vv_file *file, size_t index, int64_t frame,
                           vv_job *job)
 {
+    if (stream->rehearses)
+        return blank_field(out, vv_file_info(file), stream->pools[index], job);
     return vvi_file_stream(out, file, frame, stream->pools[index], job);
 }
 
 vv_status vvi_stream_step(vv_field **out, const vvi_stream *stream, vv_field *const *fields, size_t n,
                           const vv_step *step, size_t index, vv_job *job)
 {
-    return vvi_operation_stream(out, step->operation, (const vv_field *const *)fields, n, step->params,
-                                stream->pools[stream->n_inputs + index], job);
+    vvi_lazy_pool *pool = stream->pools[stream->n_inputs + index];
+    if (stream->rehearses && step->operation->passes)
+        return rehearse_passes(out, fields, n, step, pool, job);
+    return vvi_operation_stream(out, step->operation, (const vv_field *const *)fields, n, step->params, pool, job);
 }
 
 vv_status vvi_stream_samples(vv_field **out, vvi_stream *stream, vv_file *file, int64_t frame, vv_job *job)

@@ -11,6 +11,7 @@ typedef struct vvi_stream {
     vvi_lazy_pool **pools; /**< of each input, then of each step */
     size_t n_pools, n_inputs;
     uint64_t bytes; /**< that its slabs may take together */
+    bool rehearses; /**< nothing is read, and no passes run: slabs of zeros stand for both, and take as much memory */
 } vvi_stream;
 
 /** Whether so much is too much to hold at once. */

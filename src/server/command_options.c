@@ -16,17 +16,30 @@ void vvi_command_quote(vvi_text *out, const char *s)
     vvi_text_add(out, "'");
 }
 
-/* "[1, 2, 3]" is typed as 1,2,3 and "\"text\"" without its marks. */
-static void put_value(vvi_text *out, const char *json)
+/* Whether a text without its marks would be read as something else, or says nothing. */
+static bool needs_marks(const char *inside, size_t n)
 {
-    char *typed = vvi_strdup(json);
-    char *to = typed;
-    for (const char *from = json; typed && *from; from++)
-        if (!strchr("[]\" ", *from))
-            *to++ = *from;
-    if (typed)
+    return n == 0 || memchr(inside, '\\', n) || strchr("{[\"", *inside) || (n == 4 && memcmp(inside, "null", n) == 0);
+}
+
+/* "\"text\"" is typed as it is meant, and "[1, 2, \"3\"]" as 1,2,3. */
+static void put_value(vvi_text *out, const char *json, vvi_command_word *put)
+{
+    const size_t n = strlen(json);
+    const bool text = n > 1 && *json == '"';
+    char *typed = vvi_strdup(json), *to = typed;
+    if (!typed || (text ? needs_marks(json + 1, n - 2) : strchr(json, '{') != NULL)) {
+        put(out, json);
+    } else if (text) {
+        typed[n - 1] = 0;
+        put(out, typed + 1);
+    } else {
+        for (const char *from = json; *from; from++)
+            if (!strchr("[]\" ", *from))
+                *to++ = *from;
         *to = 0;
-    vvi_command_quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
+        put(out, typed);
+    }
     free(typed);
 }
 
@@ -64,14 +77,14 @@ static void put_range(vvi_text *out, const vv_property *row, const vv_object *pa
     vvi_text_printf(out, "=%s..%s", end[0], end[1]);
 }
 
-static void put_option(vvi_text *out, const vv_property *row, const char *json)
+static void put_option(vvi_text *out, const vv_property *row, const char *json, vvi_command_word *put)
 {
     const bool is_bool = row->kind == VV_KIND_BOOL;
     put_name(out, row, is_bool && strcmp(json, "true") != 0 ? "no-" : "");
     if (is_bool)
         return;
     vvi_text_add(out, "=");
-    put_value(out, json);
+    put_value(out, json, put);
 }
 
 /* Whether it says nothing beside a choice that is another, as in "kind=box|ellipse". */
@@ -82,7 +95,7 @@ static bool is_idle(const vv_property *row, const vv_object *params)
                          row, choice->names[*(const int *)(const void *)((const char *)params + choice->offset)]);
 }
 
-vv_status vvi_command_options(vvi_text *out, const vv_object *params)
+vv_status vvi_command_options(vvi_text *out, const vv_object *params, vvi_command_word *put)
 {
     for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
         char *json = NULL;
@@ -98,7 +111,7 @@ vv_status vvi_command_options(vvi_text *out, const vv_object *params)
         const vv_status st = vv_path_get(&json, params, row->name);
         if (st != VV_OK)
             return st;
-        put_option(out, row, json);
+        put_option(out, row, json, put);
         free(json);
     }
     return VV_OK;

@@ -43,6 +43,20 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     return vvi_request_fail_made(r->operation, id, st);
 }
 
+/* How a dataset came about, in one line or as the text between its quotation marks. */
+static vv_status run_chain_command(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const char *source;
+    vvi_text text = {0};
+    const vv_status st = r->add ? vvi_command_pipe(&text, r->world, r->dataset, job)
+                                : vvi_command_chain(&text, &source, r->world, r->dataset, job);
+    if (st == VV_OK)
+        vvi_request_tell_text(r, &text);
+    vvi_text_free(&text);
+    return st;
+}
+
 /* The picture ----------------------------------------------------------------------------------------------------- */
 
 typedef struct comparing {
@@ -200,11 +214,28 @@ static vv_status run_command(vvi_task *task, vv_job *job)
 
 /* Asking ---------------------------------------------------------------------------------------------------------- */
 
+static vv_status ask_chain(vvi_client *client, int64_t id, const json_t *message, const char *form)
+{
+    vvi_request *r;
+    vv_status st = vvi_request_new(&r, client, id, "command", run_chain_command);
+    if (st != VV_OK)
+        return st;
+    r->add = form && strcmp(form, "pipe") == 0;
+    st = vvi_request_take_text(&r->dataset, message, "dataset");
+    if (st == VV_OK && !r->add && (!form || strcmp(form, "chain") != 0))
+        st = vv_fail(VV_E_ARGUMENT, "'form' must be \"pipe\" or \"chain\"");
+    if (st == VV_OK && !r->dataset)
+        st = vv_fail(VV_E_ARGUMENT, "'form' needs a dataset");
+    return vvi_request_add_quick(r, st);
+}
+
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)
 {
     const bool one = json_object_get(message, "operation") != NULL;
     if (json_object_get(message, "measurement"))
         return vvi_request_command_measure(client, id, message);
+    if (json_object_get(message, "form"))
+        return ask_chain(client, id, message, json_string_value(json_object_get(message, "form")));
     vvi_request *r;
     vv_status st = vvi_client_fix_view(client);
     if (st == VV_OK)

@@ -9,6 +9,7 @@
 #include "server/command.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Planes of the question, which the verb takes as clips. */
 static void put_clips(vvi_text *out, const vv_measurement *m)
@@ -51,23 +52,24 @@ static vv_status put_line(vvi_text *out, const vvi_request *r, const char *id, c
     if (st == VV_OK)
         st = vvi_command_input(out, r->world, id, job);
     if (st == VV_OK)
-        st = vvi_command_options(out, &m->base);
+        st = vvi_command_options(out, &m->base, vvi_command_quote);
     if (st == VV_OK && vvi_measurement_has_region(m))
-        st = vvi_command_options(out, m->region);
+        st = vvi_command_options(out, m->region, vvi_command_quote);
     put_clips(out, m);
     if (is_shown(m, data))
         put_shown(out, data);
     return st;
 }
 
-/* Whether a file says of its samples what the World says of the volume: nothing moves, cuts or chooses them. */
-static bool is_file(const vv_volume *volume, const vvi_measured_volume *measured)
+/* Whether a file says of its samples what the World says of the volume: nothing moves, cuts or chooses them, or tells
+ * their lengths in another unit. unit: of the file. */
+static bool is_file(const vv_volume *volume, const vvi_measured_volume *measured, const char *unit)
 {
     static const char *const chosen[] = {"place", "attribute", "component", "frame", "missing"};
     for (size_t i = 0; i < sizeof chosen / sizeof *chosen; i++)
         if (vv_object_is_set(&volume->base, chosen[i]))
             return false;
-    return measured->data.n_planes == 0;
+    return measured->data.n_planes == 0 && strcmp(vv_field_get_info(measured->field)->grid.unit, unit) == 0;
 }
 
 /* The line of the file; *whole false: the file alone would be another answer. */
@@ -84,8 +86,11 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         return VV_E_NOT_FOUND;
     if (m->file || m->other || m->mask || m->values || vv_dataset_is_mesh(dataset, job))
         return VV_OK;
-    vv_status st = vvi_measured_shown(&measured.input, r->world, id, r->view, job);
-    if (st == VV_OK && is_file(volume, &measured.input.volume)) {
+    vv_field_info info;
+    vv_status st = vv_dataset_info(&info, r->world, dataset, job);
+    if (st == VV_OK)
+        st = vvi_measured_shown(&measured.input, r->world, id, r->view, job);
+    if (st == VV_OK && is_file(volume, &measured.input.volume, info.grid.unit)) {
         *whole = true;
         st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, &measured.input.volume.data, job);
     }

@@ -7,7 +7,7 @@ import numpy as np
 import os
 import re
 import shlex
-from harness import fails, main, ok, says, volvis, write_blocks
+from harness import fails, main, ok, says, volvis, write_blocks, write_labels
 from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "measurement.md")
@@ -1112,12 +1112,78 @@ def test_cut_meshes_of_a_scene_have_their_cut_off_part_taken_away():
     near(ok("measure", "area", "--closed", *words).json["area"], 8 + 4 * 6, 1e-6)
 
 
+def test_places_on_meshes_of_a_scene_are_those_of_its_world():
+    write_box("box.stl")  # from 0 to 2
+    scene = mesh_scene("box.stl")
+    moved = ("--set", "volumes.box.place.scale=-3,1,1", "--set", "volumes.box.place.position=10,0,0", "--json")  # x from 4 to 10
+    points = lambda *places: [word for place in places for word in ("--point", place)]
+    found = ok("measure", "distance", scene, *points("0,1,1"), *moved).json
+    near(found["distance"], 4, 1e-6)
+    near(found["signed_distance"], 4, 1e-6)  # outside, though it is mirrored
+    assert found["nearest"] == [4, 1, 1]
+    near(ok("measure", "distance", scene, *points("5,1,1"), *moved).json["signed_distance"], -1, 1e-6)
+    near(ok("measure", "geodesic", scene, *points("5,0,1", "5,1,2"), *moved).json["geodesic"], 2, 1e-6)  # over an edge
+    near(ok("measure", "distance", scene, *points("4,0,0", "10,0,0", "10,2,0"), *moved).json["distance"], 8, 1e-9)
+    near(ok("measure", "angle", scene, *points("4,0,0", "10,0,0", "10,2,0"), *moved).json["angle"], 90, 1e-9)
+    cut = ("--set", 'cut_planes=[{"normal": [1, 0, 0], "offset": 6}]')
+    near(ok("measure", "distance", scene, *points("0,1,1"), *cut, *moved).json["distance"], (36 + 1) ** 0.5, 1e-6)  # its walls, without a lid
+    # of a file in its own space
+    near(ok("measure", "distance", "box.stl", *points("0,0,0", "3,4,0"), "--json").json["distance"], 5, 1e-9)
+    near(ok("measure", "angle", "box.stl", *points("1,0,0", "0,0,0", "0,3,0"), "--json").json["angle"], 90, 1e-9)
+
+
+def test_lengths_of_a_scene_are_in_its_unit():
+    write_sphere("ball.nrrd", 32, 10.0, (15.5, 15.5, 15.5))
+    write("half.nrrd", (distance_to(32, (15.5, 15.5, 15.5)) < 8).astype(np.uint8))
+    ok("measure", "volume", "ball.nrrd", "--iso", "0", "--store", "s.vv.json:all")
+    in_cm = ("--set", "unit=cm", "--json")
+    plain = ok("measure", "volume", "s.vv.json", "--iso", "0", "--json").json
+    found = ok("measure", "volume", "s.vv.json", "--iso", "0", *in_cm).json
+    assert (plain["volume_unit"], found["volume_unit"]) == ("mm^3", "cm^3"), (plain, found)
+    near(found["volume"], plain["volume"] / 1000, 1e-9)
+    near(ok("measure", "distance", "s.vv.json", "--space", "world", "--point", "0,0,0", "--point", "0.3,0.4,0", *in_cm).json["distance"], 0.5, 1e-9)
+    near(ok("measure", "point", "s.vv.json", "--space", "world", "--point", "1.6,1.5,1.5", *in_cm).json["value"], ok("measure", "point", "ball.nrrd", "--space", "world", "--point", "16,15,15", "--json").json["value"], 1e-9)
+    cut = ("--set", 'cut_planes=[{"normal": [1, 0, 0], "offset": 1.55}]')
+    near(ok("measure", "volume", "s.vv.json", "--iso", "0", *cut, *in_cm).json["volume"], plain["volume"] / 2000, 1e-6)
+    moved = ("--set", "volumes.ball.place.position=5,0,0")
+    near(ok("measure", "volume", "s.vv.json", "--mask", "half.nrrd", *moved, *in_cm).json["volume"], ok("measure", "volume", "half.nrrd", "--label", "1", "--method", "count", "--json").json["volume"] / 1000, 1e-9)
+
+
+def test_what_has_no_effect_is_refused_of_stored_measurements_too():
+    write_labels()
+    ok("measure", "labels", "organs.seg.nrrd", "--store", "s.vv.json:all")
+    for setting, word in (('region={"kind": "ellipsoid", "center": [9, 9, 9], "size": [5, 5, 5]}', "region"), ("seed=[9, 9, 9]", "seed"), ("iso=1", "iso")):
+        done = fails(2, "measure", "stored", "s.vv.json", "all", "--set", f"measurements.all.{setting}")
+        says(done, f"'{word}' has no effect on the labels of", "leave it out")
+
+
+def test_numbers_of_labels_have_no_mean():
+    write_labels()
+    found = ok("measure", "statistics", "organs.seg.nrrd", "--json").json
+    assert "mean" not in found and "deviation" not in found and "percentiles" not in found and found["count"] == 24 ** 3, found
+    says(ok("measure", "histogram", "organs.seg.nrrd", "-o", "h.svg").message, "no mean", "'labels' measures each")
+    says(fails(2, "measure", "joint", "organs.seg.nrrd"), "have no gradient")
+    write_blocks()  # which look like labels, and are shown as such, unless somebody says otherwise
+    found = ok("measure", "statistics", "blocks.nrrd")
+    assert "mean" not in found.text.replace("no mean", ""), found.text
+    says(found.message, "look like labels", "segmentation.kind is transfer")
+    amounts = ("--set", "volumes.blocks.segmentation.kind=transfer", "--json")
+    assert ok("measure", "statistics", "blocks.nrrd", *amounts).json["mean"] > 0
+    write("half.nrrd", (distance_to(24, (11, 11, 11)) < 8).astype(np.uint8))
+    assert "mean" in ok("measure", "statistics", "half.nrrd", "--json").json
+    assert "mean" not in ok("measure", "statistics", "half.nrrd", "--set", "volumes.half.segmentation.kind=labels", "--json").json
+    at = [ok("measure", "point", "blocks.nrrd", "--point", place, "--json").json["value"] for place in ("8,8,8", "8.4,8.4,8.4", "8.6,8.4,8.4", "9,8,8")]
+    assert at[0] == at[1] and at[2] == at[3], at  # of the nearest sample
+
+
 def test_what_meshes_of_a_scene_do_not_have_is_refused_in_a_sentence():
     write_box("box.stl")
     write_sphere()
     scene = mesh_scene("box.stl")
-    for kind in ("profile", "histogram", "statistics", "distance", "geodesic", "labels"):
-        says(fails(2, "measure", kind, scene), "shows meshes", "area, volume and box", f"no {kind}", "mesh files themselves")
+    for kind in ("profile", "histogram", "statistics", "labels"):
+        says(fails(2, "measure", kind, scene), "shows meshes", "area, volume, box, distance, angle and geodesic", f"no {kind}")
+    says(fails(2, "measure", "distance", scene), "distance to what?", "--point")
+    says(fails(2, "measure", "geodesic", scene), "needs --point X,Y,Z twice")
     says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "omit it")
     both = mesh_scene("box.stl", "sphere.nrrd")
     says(fails(2, "measure", "area", both), "volumes.sphere", "--set volumes.sphere.visible=false")

@@ -140,6 +140,20 @@ def test_a_refusal_says_how_much_is_enough():
     assert in_memory(words, int(1.1 * float(number) * {"KiB": 1 << 10, "MiB": 1 << 20}[unit])).code == 0, done.message
 
 
+def test_what_has_no_room_behind_passes_is_refused_before_they_begin():
+    make_volumes(("f4",))
+    words = ["pipe", "#f4.nrrd", "distance | median --radius 3vox"]
+    for more in ([], ["--dry-run"]):  # passes would ask for a temporary file, of which there is none there
+        done = volvis(*words, "-o", "part.nrrd", "--memory", str(MEMORY), *more, env={"TMPDIR": "/proc"})
+        assert done.code == 4 and "needs about" in done.message, done.message
+    number, unit = done.message.split("needs about ")[1].split()[:2]
+    ok(*words, "-o", "whole.nrrd", "--threads", "2", "--encoding", "raw")
+    part = in_memory(words, int(1.1 * float(number) * {"KiB": 1 << 10, "MiB": 1 << 20}[unit]))
+    assert part.code == 0 and part.json["streamed"], part.message
+    with open("whole.nrrd", "rb") as whole, open("part.nrrd", "rb") as file:
+        assert whole.read() == file.read()
+
+
 def test_nothing_is_left_of_distances_that_are_killed_or_have_no_room():
     make_volumes(("f4",))
     os.mkdir("tmp")

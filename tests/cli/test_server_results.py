@@ -228,7 +228,7 @@ def test_other_inputs_are_given_by_name():
     with open("page.ply", "rb") as page, open("program.ply", "rb") as program:
         assert page.read() == program.read()
     assert dataset == {"operation": "isosurface", "inputs": {"volume": "ball", "values": "ramp"}}, dataset
-    says(lines, " values='", "ramp.nrrd' -o 'ball-isosurface-2.ply'")
+    says(lines, "volvis pipe ", "'isosurface values=", "ramp.nrrd | simplify' -o 'result.ply'")
 
 
 def test_formulas_speak_of_inputs_by_their_names():

@@ -1,5 +1,6 @@
 /** Everything that can be asked for by name: from buttons, keys and the command search. */
 import { signal } from "@preact/signals";
+import { copyText } from "./clipboard";
 import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
 import { begin, hindrance } from "./filter/state";
 import { GESTURES } from "./gestures";
@@ -42,19 +43,17 @@ export function addObject(map: "lights", value: Json): void {
   addSelected(`${map}.${id}`, map, id, value);
 }
 
+const lightingPath = () => store.lightingAt(`${store.viewPath.value}.render`);
+
+function toggleLighting(): void {
+  const path = lightingPath();
+  if (path) tryEdit(store.valueOf(path) === "cinematic" ? { op: "unset", path } : { op: "set", path, value: "cinematic" });
+}
+
 /** Lines and letters over the picture of this viewport. */
 function toggleDecoration(name: string): void {
   const path = `${store.viewPath.value}.decorations.${name}`;
   tryEdit({ op: "set", path, value: store.valueOf(path) !== true });
-}
-
-export async function copyText(text: string): Promise<void> {
-  try {
-    await navigator.clipboard.writeText(text);
-    store.notify("info", "The command line is copied.");
-  } catch {
-    store.dialog.value = { name: "command", text }; // shown, to be copied by hand
-  }
 }
 
 async function copyCommand(): Promise<void> {
@@ -87,6 +86,7 @@ const own: Action[] = [
   { name: "redo", title: "Redo", group: "Edit", icon: "redo", enabled: () => store.canRedo.value, run: () => step("redo") },
   { name: "filter", title: "Filter", doc: "all operations on data, with a preview", group: "Edit", icon: "operation", enabled: () => mayEdit() && somethingShown(), run: open("filters") },
   { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
+  { name: "cinematic", title: "Shadows and ambient occlusion on or off", doc: "cinematic lighting", group: "Edit", icon: "light", enabled: () => mayEdit() && somethingShown() && lightingPath() !== null, run: toggleLighting },
   { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", enabled: mayEdit, run: addCutPlane },
   { name: "cut", title: "Cut plane on or off", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: toggleCutPlane },
   { name: "cut-next", title: "Cut from the next side", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: turnCutPlane },

@@ -3,7 +3,7 @@ import { computed, signal } from "@preact/signals";
 import type { ConnectionState } from "./connection";
 import type { Failure } from "./failure";
 import type { Frame } from "./frames";
-import type { Histogram, JobMessage, Json, JsonObject, Notice, Operand, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
+import type { Histogram, JobMessage, Json, JsonObject, Notice, Operand, Pick, Pose, Renderer, StatusMessage, Transfer, Welcome } from "./protocol";
 import { isObject, valueAt, type Classes } from "./values";
 
 export const connection = signal<{ state: ConnectionState; why: string }>({ state: "connecting", why: "" });
@@ -108,6 +108,20 @@ export function valueOf(path: string): Json | undefined {
 
 export function isSet(path: string): boolean {
   return valueAt(world.value, path) !== undefined;
+}
+
+/** The method that is in use, of the choice at a path. */
+export function rendererAt(path: string): Renderer | undefined {
+  const named = valueOf(`${path}.method`);
+  const method = typeof named === "string" ? named : status.value?.method;
+  const rows = welcome.value?.renderers;
+  return rows?.find((row) => row.name === method) ?? rows?.[0];
+}
+
+/** Where `lighting` of that method is; null: it has no shadows and ambient occlusion. */
+export function lightingAt(path: string): string | null {
+  const method = rendererAt(path);
+  return method && classes.value[method.class]?.properties.some((row) => row.name === "lighting") ? `${path}.${method.name}.lighting` : null;
 }
 
 /** The dataset that a volume shows: the only one, where it does not say. */

@@ -1,7 +1,7 @@
 // Pipelines as lists: what is removed, moved and put between others, as edits whose result is looked at.
 import assert from "node:assert/strict";
 import { describe, test } from "node:test";
-import { chainOf, chainText, insertStep, moveStep, pipeCommand, refersTo, removeStep, summaryOf, type Tables } from "../src/filter/chain";
+import { chainOf, insertStep, moveStep, refersTo, removeStep, summaryOf, type Tables } from "../src/filter/chain";
 import type { Edit, JsonObject, Operation, Property } from "../src/protocol";
 
 const one = (name: string, mesh = false) => ({ name, doc: "", volume: !mesh, mesh, least: 1, most: 1, named: false });
@@ -97,12 +97,7 @@ describe("a pipeline", () => {
     assert.match(String(insertStep(tables(), "b", "n", { operation: "isosurface", inputs: { volume: "b" } })), /does not work on a mesh/);
   });
 
-  test("is a text that volvis pipe reads", () => {
-    const chain = chainOf(tables(), "c");
-    assert.deepEqual(chainText(tables(), chain), { text: "gaussian --sigma 1mm | median --radius-voxels 1,1,2 | threshold --range 80.. --no-fill" });
-    assert.deepEqual(pipeCommand(tables(), chain, "c.nrrd"), { text: "volvis pipe 'scans/my head.nrrd' 'gaussian --sigma 1mm | median --radius-voxels 1,1,2 | threshold --range 80.. --no-fill' -o c.nrrd" });
-    const off = { ...chain, steps: chain.steps.map((step) => ({ ...step, on: step.id === "b" })) };
-    assert.deepEqual(chainText(tables(), off), { text: "median --radius-voxels 1,1,2" });
-    assert.equal(summaryOf(chain.steps[2]!), "range 80.., no fill");
+  test("says a step's parameters in a few words", () => {
+    assert.equal(summaryOf(chainOf(tables(), "c").steps[2]!), "range 80.., no fill");
   });
 });

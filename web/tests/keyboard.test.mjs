@@ -8,7 +8,7 @@ import { back, changed, file, folder, QUICK, seen, skip, withProgram } from "./s
 
 const focused = (page) => page.evaluate(() => {
   const e = document.activeElement;
-  return `${e?.getAttribute("role") ?? e?.tagName.toLowerCase()} ${e?.getAttribute("aria-label") ?? e?.labels?.[0]?.textContent?.trim() ?? (e?.textContent?.trim() || e?.getAttribute("placeholder") || "")}`;
+  return `${e?.getAttribute("role") ?? e?.tagName.toLowerCase()} ${e?.getAttribute("aria-label") ?? document.getElementById(e?.getAttribute("aria-labelledby") ?? "")?.textContent ?? e?.labels?.[0]?.textContent?.trim() ?? (e?.textContent?.trim() || e?.getAttribute("placeholder") || "")}`;
 });
 
 /** Tab until what has the focus fits. Everything that has it on the way must show that it does. */
@@ -19,8 +19,8 @@ async function tabTo(page, pattern, { back = false, most = 200 } = {}) {
     const shown = await page.evaluate(() => {
       const e = document.activeElement;
       if (!e || e === document.body) return true;
-      const parts = [e, e.parentElement, ...e.querySelectorAll("*")]; // a field shows it around its entry, a point of a curve on its dot
-      return parts.some((part) => { const style = getComputedStyle(part); return style.outlineStyle !== "none" || style.boxShadow !== "none" || part.matches(".plot-hit"); });
+      const parts = [e, e.parentElement, ...e.querySelectorAll("*")]; // a field shows it around its entry, a point of a curve or of a measurement on its dot
+      return parts.some((part) => { const style = getComputedStyle(part); return style.outlineStyle !== "none" || style.boxShadow !== "none" || part.matches(".plot-hit, .measure-hit"); });
     });
     assert.ok(shown, `the focus cannot be seen on: ${await focused(page)}`);
   }
@@ -72,6 +72,98 @@ describe("by keys alone", TOGETHER, () => {
     await page.keyboard.press("Enter");
     await page.locator("dialog").waitFor({ state: "detached" });
     assert.ok(existsSync(join(folder, "keys.vv.json")));
+  }));
+
+  test("a filter is chosen and set, and a pipeline is edited, by keys", { skip }, () => withProgram(QUICK, async (page) => {
+    const steps = () => page.locator(".step:not(.step-source) .step-title").allTextContents();
+    await waitForPicture(page);
+    await tabTo(page, /^button Filter$/);
+    await page.keyboard.press("Enter");
+    await page.locator(".filter-menu input:focus").waitFor();
+    await page.keyboard.type("thresh");
+    await page.keyboard.press("ArrowDown");
+    await until(async () => /^button Threshold/.test(await focused(page)), "ArrowDown does not come to the first entry");
+    await page.keyboard.press("Enter");
+    await page.locator(".filter-panel").waitFor();
+    await tabTo(page, /^select Method$/);
+    await page.keyboard.press("ArrowDown");
+    await until(() => page.sent.findLast((m) => m.type === "preview")?.parameters.method === "otsu", "the method is not chosen");
+    await tabTo(page, /^button Apply$/);
+    await page.keyboard.press("Enter");
+    await page.locator(".step-title", { hasText: "Threshold" }).waitFor();
+
+    await tabTo(page, /^button Add a step$/);
+    await page.keyboard.press("Enter");
+    await page.locator(".filter-menu input:focus").waitFor();
+    await page.keyboard.type("dilate");
+    await page.keyboard.press("Enter");
+    await page.locator(".filter-panel h2", { hasText: "Dilate" }).waitFor();
+    await tabTo(page, /^button Apply$/);
+    await page.keyboard.press("Enter");
+    await until(async () => String(await steps()) === "Threshold,Dilate", "there are not two steps");
+
+    await tabTo(page, /^button Dilate/);
+    await page.keyboard.press("Alt+ArrowUp");
+    await until(async () => String(await steps()) === "Dilate,Threshold", "Alt and an arrow do not move the step");
+    await until(async () => /^button Dilate/.test(await focused(page)), "the focus does not go with the step");
+    await page.keyboard.press("Alt+ArrowDown");
+    await until(async () => String(await steps()) === "Threshold,Dilate", "it does not move back");
+    await tabTo(page, /^switch Dilate is applied$/);
+    await page.keyboard.press("Space");
+    await page.locator(".step-off", { hasText: "Dilate" }).waitFor();
+    await tabTo(page, /^button Copy as command$/);
+    await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { window.copied = text; }; });
+    await page.keyboard.press("Enter");
+    await until(() => page.evaluate(() => window.copied?.startsWith("volvis pipe ")), "the pipeline is not copied");
+    assert.match(await page.evaluate(() => window.copied), /'threshold --method=otsu' -o /);
+    await tabTo(page, /^button Remove Dilate$/, { back: true });
+    await page.keyboard.press("Enter");
+    await until(async () => String(await steps()) === "Threshold", "the step is not removed");
+    await until(async () => !/^body/.test(await focused(page)), "the focus is lost with the step");
+  }));
+
+  test("places are measured, and the table is sorted, renamed and emptied, by keys", { skip }, () => withProgram(QUICK, async (page) => {
+    const names = () => page.locator(".measure-name").allTextContents();
+    const measured = (n) => page.locator(".measure-table tbody tr").nth(n - 1).waitFor();
+    await waitForPicture(page);
+    await tabTo(page, /^application Navigator/);
+    for (const key of ["v", "v", "m"]) await page.keyboard.press(key);
+    await page.locator("[data-slice=axial][data-final] .cross-hair").waitFor();
+    await tabTo(page, /^button Point$/);
+    await page.keyboard.press("ArrowRight");
+    await until(async () => /^button Distance$/.test(await focused(page)), "an arrow does not come to the next tool");
+    await page.keyboard.press("Enter");
+    const go = async (pattern, ...keys) => {
+      await tabTo(page, pattern);
+      for (const key of keys) await page.keyboard.press(key);
+    };
+    await go(/^application Axial slice/, "Space");
+    await until(async () => (await page.locator("[data-slice=axial] g[aria-hidden] .measure-dot").count()) === 1, "no point is placed");
+    await go(/^application Sagittal slice/, "PageUp");
+    await until(() => page.sent.some((m) => m.edits?.[0]?.path === "cross_hair"), "the cross-hair does not move");
+    await go(/^application Axial slice/, "Space");
+    await measured(1);
+    await page.keyboard.press("Escape");
+    await go(/^button Point$/, "Enter");
+    await go(/^application Axial slice/, "Space");
+    await measured(2);
+    await page.keyboard.press("Escape");
+
+    await go(/^button Name$/, "Enter", "Enter");
+    await until(async () => String(await names()) === "point,distance", "the table is not sorted");
+    await go(/^button point$/, "F2");
+    await page.locator(".measure-rename:focus").waitFor();
+    await page.keyboard.type("here");
+    await page.keyboard.press("Enter");
+    await until(async () => /^button .*here/.test(await focused(page)), "the focus is not back on the name");
+    await go(/^button Hide /, "Enter");
+    await page.locator(".measure-hidden").waitFor();
+    await go(/^button distance$/);
+    await page.keyboard.press("Delete");
+    await until(async () => (await names()).length === 1, "it is not removed");
+    await until(async () => /here$/.test(await focused(page)), "the focus does not go to the next name");
+    await page.keyboard.press("Delete");
+    await until(async () => (await names()).length === 0, "the last is not removed");
   }));
 
   test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram(QUICK, async (page) => {

@@ -96,6 +96,12 @@ test("a length along several points is listed as what it is", () => {
 });
 
 test("what comes out now is compared with what the scene keeps, to rounding", () => {
+  const series = (step: number, kept: object[] = []) => rowOf("a", { figures: kept as never }, { figures: [{ name: "mean", value: 3 }, { name: "time_step", value: step }], error: "", busy: false }, "heart", () => "mean");
+  assert.equal(series(4).step, 4);
+  assert.match(csvOfRows([series(4)]), /a,summary,"heart, step 4",mean,3/);
+  assert.equal(series(4, [{ name: "mean", value: 3 }, { name: "time_step", value: 4 }]).changed, false);
+  assert.equal(series(4, [{ name: "mean", value: 3 }, { name: "time_step", value: 5 }]).changed, true);
+  assert.equal(series(4, [{ name: "mean", value: 3 }]).changed, false); // of a version that did not say it
   const with_ = (value: number) => rowOf("a", { figures: [{ name: "distance", value: 3 }] }, { figures: [{ name: "distance", value }], error: "", busy: false }, "", () => "").changed;
   assert.deepEqual([with_(3), with_(3 + 1e-10), with_(3.1)], [false, false, true]);
 });

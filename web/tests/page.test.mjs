@@ -313,6 +313,48 @@ describe("the page", TOGETHER, () => {
     assert.deepEqual(await page.locator(".filter-panel .row-label").allInnerTexts(), ["A", "B", "Names"]);
   }));
 
+  test("a choice is kept that is made while the data's proposal is on its way", () => withPage([], async (page) => {
+    await search(page, "threshold"); // what is known of the data is known from now on
+    await until(async () => /^\d/.test(await page.getByRole("textbox", { name: "Range", exact: true }).inputValue()), "no range is proposed");
+    await page.keyboard.press("Escape");
+    await page.locator(".filter-panel").waitFor({ state: "detached" });
+    await page.evaluate(() => {
+      const look = () => { // as soon as the panel is there: before effects of what has just been drawn
+        const method = document.querySelector("#p-method");
+        if (!method) return;
+        seen.disconnect();
+        method.value = "otsu";
+        method.dispatchEvent(new Event("change", { bubbles: true }));
+      };
+      const seen = new MutationObserver(look);
+      seen.observe(document.body, { subtree: true, childList: true });
+    });
+    await search(page, "threshold");
+    await page.getByText("compare before and after").waitFor();
+    await until(() => page.sent.findLast((m) => m.type === "preview")?.parameters.method === "otsu", "the choice is lost");
+    assert.deepEqual(page.sent.findLast((m) => m.type === "preview").parameters, { method: "otsu" });
+    assert.equal(await page.getByRole("combobox", { name: "Method", exact: true }).last().inputValue(), "otsu");
+  }));
+
+  test("shadows and ambient occlusion stand beside the lights, and are switched by name", () => withPage([], async (page) => {
+    await page.locator(".tree-name", { hasText: "key" }).click();
+    const shadows = page.getByRole("switch", { name: "Shadows", exact: true });
+    assert.equal(await shadows.getAttribute("aria-checked"), "false");
+    await page.getByRole("combobox", { name: "Lighting", exact: true }).selectOption("cinematic");
+    await until(async () => (await shadows.getAttribute("aria-checked")) === "true", "cinematic light is not said to have shadows");
+    assert.deepEqual(editsOf(page)[0].edits, [{ op: "set", path: "views.main.render.raycast.lighting", value: "cinematic" }]);
+    await page.getByRole("switch", { name: "Ambient occlusion", exact: true }).click();
+    await until(() => editsOf(page).length === 2, "it is not switched off");
+    assert.deepEqual(editsOf(page)[1].edits, [{ op: "set", path: "views.main.render.raycast.ambient_occlusion", value: false }]);
+    await search(page, "shadows and ambient occlusion on");
+    await until(() => editsOf(page).length === 3, "the command does nothing");
+    assert.deepEqual(editsOf(page)[2].edits, [{ op: "unset", path: "views.main.render.raycast.lighting" }]);
+    await page.locator(".tree-name", { hasText: "Rendering" }).click();
+    await page.getByRole("combobox", { name: "Method" }).selectOption("surface");
+    await page.locator(".tree-name", { hasText: "key" }).click();
+    await page.getByText("lights every place as if it were alone").waitFor();
+  }));
+
   test("a step that cannot be made says so where it is and over the picture, until it can", () => withPage(["--made"], async (page) => {
     await page.locator(".tree-name", { hasText: "body" }).click();
     const range = page.getByRole("textbox", { name: "Range", exact: true });

@@ -3,7 +3,9 @@
  * inside. */
 #include "core/text.h"
 #include "core/vec.h"
+#include "measuring/figure_changes.h"
 #include "measuring/measuring.h"
+#include "measuring/world_data.h"
 #include "model/contents.h"
 #include "render/decorate/region_lines.h"
 #include "render/decorate/round_numbers.h"
@@ -247,17 +249,31 @@ static const vv_measured_figure *main_figure(const vv_measurement *m)
     return first;
 }
 
+/* " (step 3)" where what came out is of another time step than the one that is seen. */
+static void print_step(char out[32], const vvi_sheet *s, const vv_measurement *m)
+{
+    const char *id = vvi_measured_volume_id(s->scene->world, m->volume);
+    const vv_volume *volume = id ? vvi_volume_named(s->scene->world, id) : NULL;
+    *out = 0;
+    for (size_t i = 0; i < m->figures->n; i++) {
+        const vv_measured_figure *f = (const vv_measured_figure *)(const void *)m->figures->entry[i].object;
+        if (f->name && strcmp(f->name, VVI_TIME_STEP) == 0 && volume && f->value != (double)volume->frame)
+            snprintf(out, 32, " (step %.0f)", f->value);
+    }
+}
+
 /* Its title, and what came out last. */
-static void print(char out[64], const vv_measurement *m)
+static void print(char out[64], const vvi_sheet *s, const vv_measurement *m)
 {
     const vv_measured_figure *f = main_figure(m);
-    char number[40] = "", unit[48] = "";
+    char number[40] = "", unit[48] = "", step[32] = "";
     if (f && vv_object_is_set(&f->base, "value") && isfinite(f->value)) {
         vvi_print_value(number, f->value);
         print_unit(unit, sizeof unit, f->unit ? f->unit : "");
+        print_step(step, s, m);
     }
     const bool titled = m->title && *m->title;
-    snprintf(out, 64, "%.24s%s%s%s", titled ? m->title : "", titled && *number ? ": " : "", number, unit);
+    snprintf(out, 64, "%.24s%s%s%s%s", titled ? m->title : "", titled && *number ? ": " : "", number, unit, step);
     vvi_text_clean(out);
 }
 
@@ -288,7 +304,7 @@ void vvi_sheet_measurements_place(vvi_sheet_measurements *out, vvi_sheet *s)
         if (!has_place(s->scene, m))
             continue;
         out->shown[out->n++].of = m;
-        print(label->text, m);
+        print(label->text, s, m);
         if (!*label->text || !find_anchor(&at, s, &in, m) ||
             (!is_in(&in, at) && !m->box && !vvi_measurement_has_region(m)) ||
             !vvi_sheet_project(&x, &y, &depth, s, at) || x < 0 || y < 0 || x > s->width || y > s->height)

@@ -167,45 +167,6 @@ export function moveStep(tables: Tables, chain: Chain, from: number, to: number)
   return typeof outside === "string" ? outside : [...edits, ...outside];
 }
 
-// As text ------------------------------------------------------------------------------------------------------------
-
-function quoted(text: string): string {
-  return /^[\w.,:+@%/-]+$/.test(text) ? text : `"${text.replace(/(["\\])/g, "\\$1")}"`;
-}
-
-function option(name: string, value: Json): string {
-  const word = name.replace(/_/g, "-");
-  if (typeof value === "boolean") return value ? `--${word}` : `--no-${word}`;
-  return `--${word} ${quoted(Array.isArray(value) ? value.join(",") : String(value))}`;
-}
-
-/** The chain as `volvis pipe` and --apply read it, without steps that are off; or why they cannot. */
-export function chainText({ world }: Tables, chain: Chain): { text: string } | string {
-  const words: string[] = [];
-  for (const step of chain.steps.filter((one) => one.on)) {
-    const others = Object.entries(inputsOf(datasetAt(world, step.id)!)).filter(([name]) => name !== step.input);
-    const files: string[] = [];
-    for (const [name, id] of others) {
-      const path = datasetAt(world, String(id))?.["path"];
-      if (typeof path !== "string") return `${step.id} also works on ${String(id)}, which is no file: save the scene instead.`;
-      files.push(`${name}=${quoted(path)}`);
-    }
-    words.push([step.operation, ...files, ...Object.entries(step.parameters).map(([name, value]) => option(name, value))].join(" "));
-  }
-  return words.length ? { text: words.join(" | ") } : "Every step is switched off.";
-}
-
-function shell(text: string): string {
-  return /^[\w.,:+@%/-]+$/.test(text) ? text : `'${text.replace(/'/g, "'\\''")}'`;
-}
-
-export function pipeCommand(tables: Tables, chain: Chain, output: string): { text: string } | string {
-  const path = chain.source === null ? undefined : datasetAt(tables.world, chain.source)?.["path"];
-  const text = chainText(tables, chain);
-  if (typeof path !== "string") return "It does not begin with a file.";
-  return typeof text === "string" ? text : { text: `volvis pipe ${shell(path)} ${shell(text.text)} -o ${shell(output)}` };
-}
-
 /** Its parameters in a few words: "sigma 1mm, border wrap". */
 export function summaryOf(step: Step): string {
   const words = Object.entries(step.parameters).map(([name, value]) => {

@@ -1,7 +1,7 @@
 /** The panel of an operation, in the inspector's place: its inputs and parameters, and what the preview shows. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { copyText } from "../actions";
+import { copyText } from "../clipboard";
 import { Properties } from "../inspector/properties";
 import type { Operand } from "../protocol";
 import { ask, edit, fetchHistogram, fetchInfo, tryAsk } from "../session";
@@ -167,7 +167,8 @@ function useStart(of: Plan): void {
   }, [of.dataset]);
   const info = store.dataInfos.value[of.dataset];
   useEffect(() => {
-    if (Object.keys(of.parameters).length || info === undefined) return;
+    const now = plan.peek(); // effects come late: somebody may have said something since it was drawn
+    if (now?.operation !== of.operation || Object.keys(now.parameters).length || info === undefined) return;
     const start = startOf(of.operation.name, {
       histogram: histogram && typeof histogram !== "string" ? histogram : null, crossHair: store.crossHair.value,
       orientation: typeof info === "string" ? "" : String(info["orientation"] ?? ""),
@@ -199,7 +200,7 @@ export function FilterPanel() {
   const run = () => {
     setBusy(true);
     setError("");
-    apply(of).then((dataset) => {
+    apply(plan.peek() ?? of).then((dataset) => {
       if (plan.value?.operation !== of.operation) return; // people have gone on meanwhile
       plan.value = null;
       freshStep.value = dataset;

@@ -1,16 +1,16 @@
 /** How a dataset came about, as a list that can be edited: steps are switched off, moved, put between others and removed. */
-import { useEffect, useState } from "preact/hooks";
-import { copyText } from "../actions";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { copyText } from "../clipboard";
 import { datasetOf, reasonOf } from "../failure";
 import { Icon } from "../icons";
 import { Properties } from "../inspector/properties";
-import { tryEdit } from "../session";
+import { tryAsk, tryEdit } from "../session";
 import * as store from "../store";
 import { IconButton, Switch } from "../ui/controls";
 import { label, sentence, titleOf, valueAt } from "../values";
 import type { Edit } from "../protocol";
 import { freshStep, tables } from "./state";
-import { chainOf, chainText, moveStep, pipeCommand, removeStep, summaryOf, type Chain, type Step } from "./chain";
+import { chainOf, moveStep, removeStep, summaryOf, type Chain, type Step } from "./chain";
 
 /** Edits, or why there are none. */
 function take(edits: Edit[] | string): boolean {
@@ -19,14 +19,18 @@ function take(edits: Edit[] | string): boolean {
   return typeof edits !== "string";
 }
 
-function copy(text: { text: string } | string): void {
-  if (typeof text === "string") store.notify("warning", text);
-  else void copyText(text.text);
+/** As `volvis pipe` reads it: the whole line, or what stands between its quotation marks. */
+async function copy(form: "pipe" | "chain", dataset: string): Promise<void> {
+  const value = await tryAsk<{ text: string }>({ type: "command", form, dataset });
+  if (value) await copyText(value.text, form === "pipe" ? undefined : "The chain is copied.");
 }
 
 function shownName(id: string): string {
   return titleOf(valueAt(store.world.value, `datasets.${id}`), id);
 }
+
+/** The step that has the focus when the list is there again: one that was moved, or that stands beside one that is gone. */
+let next: string | null = null;
 
 function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; at: number; open: boolean; toggle: () => void }) {
   const [over, setOver] = useState(false);
@@ -35,8 +39,15 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
   const failure = store.failed.value;
   const why = failure && datasetOf(failure) === step.id ? reasonOf(failure) : "";
   const fixed = store.readOnly.value;
-  const move = (to: number) => take(moveStep(tables(), chain, at, to));
+  const button = useRef<HTMLButtonElement>(null);
+  const move = (to: number) => { if (take(moveStep(tables(), chain, at, to))) next = step.id; };
+  useEffect(() => {
+    if (next !== step.id) return;
+    next = null;
+    button.current?.focus();
+  });
   const remove = () => {
+    next = chain.steps[at > 0 ? at - 1 : 1]?.id ?? null;
     if (!take(removeStep(tables(), chain, step.id))) return;
     const before = at > 0 ? chain.steps[at - 1]!.id : chain.source;
     if (store.selection.value === `datasets.${step.id}` && before) store.selection.value = `datasets.${before}`;
@@ -64,7 +75,7 @@ function StepRow({ chain, step, at, open, toggle }: { chain: Chain; step: Step; 
       }}
     >
       <div class="step-head">
-        <button type="button" class="step-name" aria-expanded={open} title={operation ? sentence(operation.doc) : undefined} onClick={toggle}>
+        <button ref={button} type="button" class="step-name" aria-expanded={open} title={operation ? sentence(operation.doc) : undefined} onClick={toggle}>
           <Icon name={open ? "down" : "right"} />
           <span class="step-words"><span class="step-title">{name}</span><span class="step-summary">{step.on ? summaryOf(step) : "switched off"}</span></span>
         </button>
@@ -111,8 +122,8 @@ export function Pipeline({ dataset }: { dataset: string }) {
       <div class="pipeline-tools">
         <button type="button" class="button button-small" disabled={store.readOnly.value} onClick={() => { store.dialog.value = { name: "filters", after: chain.steps.at(-1)!.id }; }}>Add a step</button>
         <button type="button" class="button button-small" disabled={store.readOnly.value} onClick={() => { store.dialog.value = { name: "write", dataset }; }}>Save data as…</button>
-        <button type="button" class="button button-small" onClick={() => copy(pipeCommand(tables(), chain, `${dataset}.nrrd`))}>Copy as command</button>
-        <button type="button" class="button button-small" onClick={() => copy(chainText(tables(), chain))}>Copy chain</button>
+        <button type="button" class="button button-small" onClick={() => void copy("pipe", dataset)}>Copy as command</button>
+        <button type="button" class="button button-small" onClick={() => void copy("chain", dataset)}>Copy chain</button>
       </div>
     </section>
   );

@@ -7,6 +7,7 @@ import * as store from "../store";
 import { removableAt } from "../scene/tree";
 import { IconButton } from "../ui/controls";
 import { classAt, label, titleOf, valueAt } from "../values";
+import { Lighting } from "./lighting";
 import { Properties } from "./properties";
 import { SegmentationPanel } from "./segmentation";
 
@@ -52,6 +53,7 @@ export function Inspector() {
             {made ? <Pipeline key={made} dataset={made} /> : null}
             {className === "volume" && !store.isMesh(path.split(".")[1]!) ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
             <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : made ? OF_FILES : []} />
+            {className === "light" ? <Lighting /> : null}
           </div>
         </>
       ) : (

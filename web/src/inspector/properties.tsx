@@ -70,10 +70,7 @@ function List({ path, row }: { path: string; row: Property }) {
 
 /** The parameters of the method that is in use; the other methods keep theirs. */
 function MethodParameters({ path }: { path: string }) {
-  const named = store.valueOf(`${path}.method`);
-  const method = typeof named === "string" ? named : store.status.value?.method;
-  const rows = store.welcome.value?.renderers;
-  const renderer = rows?.find((row) => row.name === method) ?? rows?.[0];
+  const renderer = store.rendererAt(path);
   if (!renderer || !store.classes.value[renderer.class]?.properties.length) return null;
   const row: Property = { name: renderer.name, kind: "object", doc: renderer.doc, class: renderer.class };
   return <Group path={join(path, renderer.name)} row={row} open />;
@@ -100,15 +97,15 @@ function Recipe({ path, row }: { path: string; row: Property }) {
   );
 }
 
-export function Properties({ path, className, skip = [], base }: {
-  path: string; className: string; skip?: string[];
+export function Properties({ path, className, skip = [], only, base }: {
+  path: string; className: string; skip?: string[]; only?: string[];
   /** Where values are kept, if not in the World: parameters of an operation that has not run. */
   base?: ParameterStore;
 }) {
   const all = store.classes.value[className]?.properties ?? [];
   const setAt = (name: string) => (base ? base.get(join(path, name)) : valueAt(store.world.value, join(path, name)));
   const valueOf = (name: string) => setAt(name) ?? (base ? undefined : valueAt(store.resolved.value, join(path, name))) ?? all.find((row) => row.name === name)?.default ?? undefined;
-  const rows = all.filter((row) => !skip.includes(row.name) && row.kind !== "map" && row.name !== "schema" && (setAt(row.name) !== undefined || acts(row.when, row.when?.includes("=") ? valueOf : setAt)));
+  const rows = all.filter((row) => !skip.includes(row.name) && (!only || only.includes(row.name)) && row.kind !== "map" && row.name !== "schema" && (setAt(row.name) !== undefined || acts(row.when, row.when?.includes("=") ? valueOf : setAt)));
   const plain = rows.filter((row) => !isGroup(row));
   const groups = rows.filter(isGroup);
   return (

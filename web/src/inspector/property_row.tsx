@@ -42,12 +42,18 @@ function automaticText(row: Property, worked: Json | undefined, unit: string): s
   return typeof row.default === "string" ? row.default : "";
 }
 
+/** A switch that is "on with lighting cinematic": whether it is now; undefined: that is not known here. */
+function automaticSwitch(row: Property, path: string): boolean | undefined {
+  const [, name, value] = /^on with (\w+) (\w+)$/.exec(row.kind === "bool" ? row.automatic ?? "" : "") ?? [];
+  return name ? store.valueOf(path.replace(/\w+$/, name)) === value : undefined;
+}
+
 export function PropertyRow({ path, row, base }: { path: string; row: Property; base?: ParameterStore }) {
   const [error, setError] = useState("");
   const gesture = useRef<Gesture | null>(null);
   const element = useRef<HTMLDivElement>(null);
   const set = base ? base.get(path) : valueAt(store.world.value, path);
-  const worked = base ? undefined : valueAt(store.resolved.value, path);
+  const worked = base ? undefined : valueAt(store.resolved.value, path) ?? automaticSwitch(row, path);
   const volume = store.currentVolume.value;
   const histogram = volume ? store.histograms.value[volume] : undefined;
   const unit = unitOf(row, store.lengthUnit.value, histogram && typeof histogram !== "string" ? (histogram.unit ?? "") : "");

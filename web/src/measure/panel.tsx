@@ -3,13 +3,14 @@ import { useEffect } from "preact/hooks";
 import type { TargetedKeyboardEvent } from "preact";
 import { Icon } from "../icons";
 import { fetchInfo } from "../session";
+import { copyText } from "../clipboard";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { label } from "../values";
 import { Detail } from "./detail";
 import { listenToKeys } from "./hands";
-import { copy, saveText } from "./output";
-import { draft, isOpen, keepResults, kindOf, pending, rows, takeTool, toggleRoom, tool, tools, wholeVolume, wish } from "./room";
+import { saveText } from "./output";
+import { draft, isOpen, keepResults, kindOf, kindsOf, pending, rows, takeTool, toggleRoom, tool, tools, wholeVolume, wish } from "./room";
 import { csvOfRows } from "./rows";
 import { Table } from "./table";
 import { hintOf, type Tool } from "./tools";
@@ -31,14 +32,14 @@ function onToolKey(event: TargetedKeyboardEvent<HTMLDivElement>): void {
 
 function Tools() {
   const disabled = store.readOnly.value || store.isEmpty.value;
-  const current = Math.max(0, tools.value.findIndex((row) => row.name === tool.value?.name));
+  const current = tool.value?.name ?? tools.value.find((row) => kindsOf(row).length)?.name; // that Tab comes to
   return (
     <div class="measure-tools" role="toolbar" aria-label="Measuring tools" onKeyDown={onToolKey}>
       {tools.value.map((row, i) => (
         <>
           {i > 0 && row.takes !== "points" && tools.value[i - 1]!.takes === "points" ? <span class="divider" key={`before ${row.name}`} /> : null}
           <button
-            key={row.name} type="button" class="measure-tool" title={`${row.title}: ${row.doc}`} disabled={disabled} tabIndex={i === current ? 0 : -1}
+            key={row.name} type="button" class="measure-tool" title={`${row.title}: ${kindsOf(row).length ? row.doc : "of volumes, and a mesh is shown"}`} disabled={disabled || !kindsOf(row).length} tabIndex={row.name === current ? 0 : -1}
             aria-pressed={row.takes === "nothing" ? undefined : tool.value?.name === row.name} onClick={() => take(row)}
           >
             <Icon name={row.icon} />
@@ -52,13 +53,14 @@ function Tools() {
 
 /** What is measured of what is clicked. */
 function Wish({ of }: { of: Tool }) {
-  if (of.kinds.length < 2) return null;
+  const kinds = kindsOf(of);
+  if (kinds.length < 2) return null;
   return (
     <label class="measure-wish">
       <span>Measure its</span>
       <span class="field field-select">
         <select value={kindOf(of)} onChange={(e) => { wish.value = { ...wish.value, [of.name]: e.currentTarget.value }; }}>
-          {of.kinds.map((kind) => <option key={kind} value={kind}>{label(kind).toLowerCase()}</option>)}
+          {kinds.map((kind) => <option key={kind} value={kind}>{label(kind).toLowerCase()}</option>)}
         </select>
         <Icon name="down" />
       </span>
@@ -91,13 +93,17 @@ export function MeasureRoom() {
         <Tools />
         {shown && shown.takes !== "points" ? <Wish of={shown} /> : null}
         <span class="grow" />
-        {all.some((row) => row.changed) && !store.readOnly.value
-          ? <button type="button" class="button button-small" title="Store what comes out now in the scene" onClick={keepResults}>Keep new results</button> : null}
-        <IconButton icon="copy" label="Copy CSV" disabled={!all.length} onClick={() => void copy(csvOfRows(all), "The table is copied as CSV.")} />
+        <IconButton icon="copy" label="Copy CSV" disabled={!all.length} onClick={() => void copyText(csvOfRows(all), "The table is copied as CSV.")} />
         <IconButton icon="save" label="Save CSV" disabled={!all.length} onClick={() => saveText(csvOfRows(all), "measurements.csv", "text/csv")} />
         <IconButton icon="close" label="Close the Measurement room" onClick={toggleRoom} />
       </header>
       <Hint />
+      {all.some((row) => row.changed) ? (
+        <div class="measure-stale">
+          <span><span class="measure-changed" />Figures with a mark are others than those that the scene keeps.</span>
+          {store.readOnly.value ? null : <button type="button" class="button button-small" onClick={keepResults}>Keep new results</button>}
+        </div>
+      ) : null}
       <div class="measure-body">
         <Table />
         <Detail />

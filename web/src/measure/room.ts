@@ -8,14 +8,21 @@ import { freeName, isObject, valueAt } from "../values";
 import { boxBetween, cross, dot, minus, toIndex } from "./geometry";
 import { frameOf, handlesOf, isFlat, movedRegion, regionOf, type Frame } from "./regions";
 import { figuresOf, rowOf, type Figure, type Row } from "./rows";
-import { hintOf, toolsOf, type Tool } from "./tools";
+import { hintOf, kindsOnMeshes, toolsOf, type Tool } from "./tools";
 
 export const isOpen = signal(false);
 export const tools = computed(() => toolsOf(store.welcome.value?.measures ?? []));
 export const tool = signal<Tool | null>(null);
+/** Nothing that is seen has samples. */
+const onlyMeshes = computed(() => {
+  const seen = store.volumeIds.value.filter((id) => store.valueOf(`volumes.${id}.visible`) !== false);
+  return seen.length > 0 && seen.every((id) => store.isMesh(id));
+});
+/** What a tool can measure of what is there; none: it is of no use. */
+export const kindsOf = (of: Tool): string[] => (onlyMeshes.value ? kindsOnMeshes(of, store.welcome.value?.measures ?? []) : of.kinds);
 /** Of a tool that can measure several things of what is clicked: which. */
 export const wish = signal<{ [tool: string]: string }>({});
-export const kindOf = (of: Tool): string => wish.value[of.name] ?? of.kinds[0]!;
+export const kindOf = (of: Tool): string => kindsOf(of).find((kind) => kind === wish.value[of.name]) ?? kindsOf(of)[0] ?? of.kinds[0]!;
 
 /** A place, and what was under the pointer there. */
 export interface Place {
@@ -123,6 +130,7 @@ function boxOf(places: Place[]): JsonObject | string {
   const info = volume ? store.dataInfos.value[store.datasetOf(volume) ?? ""] : undefined;
   if (!volume || !info || typeof info === "string") return "There is no volume of samples there.";
   if (store.isSet(`volumes.${volume}.place`)) return `The scene moves ${volume}: its region is given as numbers of samples, in the inspector.`;
+  if (info["unit"] !== store.lengthUnit.value) return `${volume} is in ${String(info["unit"])} and the scene in ${store.lengthUnit.value}: its region is given as numbers of samples, in the inspector.`;
   const [a, b] = places.map((place) => toIndex(info, place.at));
   const box = a && b ? boxBetween(a, b, info["dims"] as number[]) : null;
   return box ? { box, ...(volume !== firstVisible() ? { volume } : {}) } : "No sample lies in that region.";

@@ -17,6 +17,8 @@ export interface Row {
   main: string;
   /** The volume that it is of, in the World's words. */
   of: string;
+  /** Of a series: which time step. */
+  step: number | undefined;
   visible: boolean;
   figures: Figure[];
   /** Why it has none. */
@@ -43,7 +45,9 @@ export function mainFigure(row: Pick<Row, "figures" | "main">): Figure | null {
 
 const ROUNDING = 1e-9;
 
+/** b: what is kept; that of older versions does not say its time step. */
 export function isSame(a: Figure[], b: Figure[]): boolean {
+  if (stepOf(b) === undefined && stepOf(a) !== undefined) return isSame(a.filter((figure) => figure.name !== "time_step"), b);
   return a.length === b.length && a.every((row, i) => {
     const [x, y] = [row.value, b[i]!.value];
     return row.name === b[i]!.name && (x === y || Math.abs((x ?? NaN) - (y ?? NaN)) <= ROUNDING * Math.max(Math.abs(x ?? 0), Math.abs(y ?? 0)));
@@ -55,15 +59,26 @@ export function rowOf(id: string, stored: Json | undefined, now: { figures: Figu
   const kept = figuresOf(object["figures"]);
   const what = String(object["what"] ?? "summary");
   const points = object["points"];
+  const figures = now.figures ?? (now.error ? [] : kept);
+  const step = stepOf(figures);
   const kind = what === "distance" && Array.isArray(points) && points.length > 2 ? "polyline" : what; // as its tool is called
   return {
-    id, title: titleOf(object, id), kind, main: main(what), of, visible: object["visible"] !== false,
-    figures: now.figures ?? (now.error ? [] : kept), error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
+    id, title: titleOf(object, id), kind, main: main(what), of, step, visible: object["visible"] !== false,
+    figures, error: now.error, busy: now.busy, changed: now.figures !== null && kept.length > 0 && !isSame(now.figures, kept),
   };
+}
+
+/** Which time step of a series was measured. */
+const stepOf = (figures: Figure[]): number | undefined => figures.find((figure) => figure.name === "time_step")?.value;
+
+/** "heart, step 3". */
+export function ofText({ of, step }: Row): string {
+  return step === undefined ? of : `${of}, step ${step}`;
 }
 
 function keyOf(row: Row, by: Column): string | number {
   const figure = mainFigure(row);
+  if (by === "of") return ofText(row);
   if (by === "value" || by === "error") return figure?.[by] ?? NaN;
   return row[by];
 }
@@ -96,5 +111,5 @@ export function csvOf(head: string[], rows: (string | number | null | undefined)
 /** A line for each figure, with all digits. */
 export function csvOfRows(rows: Row[]): string {
   return csvOf(["name", "kind", "of", "quantity", "value", "error", "unit"],
-    rows.flatMap((row) => row.figures.map((f) => [row.title, row.kind, row.of, f.name, f.value, f.error, f.unit])));
+    rows.flatMap((row) => row.figures.map((f) => [row.title, row.kind, ofText(row), f.name, f.value, f.error, f.unit])));
 }

@@ -55,6 +55,14 @@ export function toolsOf(measures: Measure[]): Tool[] {
   return [...byPoints, ...ofObjects.filter((tool) => tool.kinds.length > 0)];
 }
 
+/** Which of its kinds can be measured where meshes are all that is seen: places on them, and what they are as a whole. */
+export function kindsOnMeshes(tool: Tool, measures: Measure[]): string[] {
+  if (tool.takes !== "points" && tool.takes !== "nothing") return [];
+  const fits = (uses: string[]) => uses.includes("points") === (tool.takes === "points");
+  const names = measures.filter((row) => row.forms.some((form) => form.of.includes("shown") && !form.other && fits(form.uses))).map((row) => row.name);
+  return tool.kinds.filter((kind) => names.includes(kind));
+}
+
 /** What to do next, in one sentence. */
 export function hintOf(tool: Tool, given: number): string {
   if (tool.takes === "nothing") return "";
