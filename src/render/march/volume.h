@@ -84,6 +84,8 @@ typedef struct vvi_projection {
     float stored_zero; /**< the stored number that means 0 */
     bool over_longest; /**< the sum over the longest ray's length, not over the ray's own */
     float longest;     /**< steps from corner to corner */
+    float opacity;     /**< of what is found */
+    bool by_value;     /**< times that of the table's row */
 } vvi_projection;
 
 /** A solid is where the stored value is in [lo, hi]. */
@@ -143,9 +145,8 @@ typedef struct vvi_march_volume {
 enum { VVI_BLEND_VOLUMES = 8 };
 typedef struct vvi_blend_setup {
     vvi_march_volume volume[VVI_BLEND_VOLUMES];
-    size_t n_volumes; /**< at least 1; all have the same view, step and `opaque` */
-    double step;
-    float opaque; /**< a ray ends when less transmittance than this is left */
+    size_t n_volumes; /**< at least 1; all have the same view and `opaque` */
+    float opaque;     /**< a ray ends when less transmittance than this is left */
 } vvi_blend_setup;
 
 #endif

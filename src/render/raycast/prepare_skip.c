@@ -96,7 +96,7 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
     return v->minmax ? VV_OK : vvi_minmax_get(&v->minmax, key_out, &v->hold.brick, 0, shift, job);
 }
 
-vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
+vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, vv_job *job)
 {
     vvi_march_volume *f = &volume->ray;
     const visibility v = find_visibility(volume, table);
@@ -107,7 +107,7 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
     memcpy(f->skipper.blocks, m->n, sizeof f->skipper.blocks);
     f->skipper.shift = m->shift;
-    if (vvi_raycast_projects(mode)) { /* mean and sum look at everything */
+    if (volume->layer) { /* mean and sum look at everything */
         f->skipper.block_bound = f->projection.sign < 0 ? m->lo : m->hi;
         return VV_OK;
     }
