@@ -110,6 +110,20 @@ static void divide(vvi_light_frame *f, const double lo[3], const double hi[3], d
         place_cells(f, lo, hi, length *= 1.25);
 }
 
+uint64_t vvi_raycast_light_bytes(const vv_grid *grid, vvi_lighting lighting)
+{
+    vvi_light_frame f = {.to_world = grid->index_to_world};
+    double lo[3] = {-0.5, -0.5, -0.5}, hi[3];
+    if (!lighting.shadows && !lighting.ambient_occlusion)
+        return 0;
+    for (int a = 0; a < 3; a++)
+        hi[a] = (double)grid->dims[a] - 0.5;
+    divide(&f, lo, hi, cell_length(&f, lo, hi));
+    /* extinction; shares of the ambient light, of lamps; all of them packed */
+    const uint64_t lamps = lighting.shadows ? VVI_LIGHT_LAMPS : 0;
+    return vvi_light_cells(f.n) * (sizeof(float) * (2 + lamps) + (lamps + 4) / 4 * sizeof(uint32_t));
+}
+
 static bool find_frame(vvi_light_frame *f, const vvi_raycast_state *s)
 {
     double lo[3], hi[3];

@@ -3,6 +3,7 @@
 #include "config.h"
 #include "core/job.h"
 #include "registry.h"
+#include "render/raycast/prepare_light.h"
 #include <math.h>
 #include <string.h>
 
@@ -298,15 +299,17 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     return VV_OK;
 }
 
-/* Least and largest values by cells: a twentieth of the samples, and never nothing; coefficients of cubic splines. */
+/* Least and largest values by cells: a twentieth of the samples, and never nothing; coefficients of cubic splines; the
+ * light volume, of all lamps that it takes. */
 static uint64_t memory(const vv_object *params, const vv_volume *volume, const vv_field_info *info)
 {
     const uint64_t n = (uint64_t)info->grid.dims[0] * (uint64_t)info->grid.dims[1] * (uint64_t)info->grid.dims[2];
+    const vvi_lighting lighting = vvi_raycast_lighting_of((const vvi_raycast_params *)params);
     uint64_t bytes = 0;
-    (void)params;
     if (vv_field_info_bytes(&bytes, info) != VV_OK)
         return 0;
-    return bytes / 20 + (2 << 20) + (volume->interpolation == VV_INTERPOLATE_CUBIC ? n * sizeof(float) : 0);
+    return bytes / 20 + (2 << 20) + (volume->interpolation == VV_INTERPOLATE_CUBIC ? n * sizeof(float) : 0) +
+           vvi_raycast_light_bytes(&info->grid, lighting);
 }
 
 const vv_renderer vvi_renderer_raycast = {
