@@ -181,7 +181,8 @@ def test_a_dry_run_with_decorations_tells_enough_memory():
 
 
 def test_a_dry_run_counts_the_light_volume():
-    command = ("render", "head.nrrd", "-o", "a.png", "--size", "64")
+    write_ball()
+    command = ("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "64", "--json")
     plain = ok(*command, "--dry-run").json["memory_bytes"]
     assert ok(*command, "--mode", "maximum", "--dry-run").json["memory_bytes"] == plain
     for lighting in (["--lighting", "cinematic"], ["--shadows"], ["--ambient-occlusion"]):
