@@ -56,6 +56,7 @@ VV_INLINE void blend_open(march_part *part, const vvi_blend_setup *f, const samp
         part[i].f = &f->volume[i];
         part[i].by = &samplers[vvi_march_sampler(&f->volume[i].sampler)];
         memset(&part[i].queue, 0, sizeof part[i].queue);
+        memset(&part[i].known_row, 0, sizeof part[i].known_row); /* lanes without a sample are computed as well */
     }
 }
 
