@@ -38,8 +38,10 @@ static inline int vvi_march_sampler(const vvi_sampler *s)
 
 /** What can be jumped. */
 typedef struct vvi_skipper {
-    const uint8_t *reach;     /**< of each block (skip.h); NULL: none */
-    const float *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest */
+    const uint8_t *reach; /**< of each block (skip.h); NULL: none. For means and sums, blocks of one value are empty */
+    const float
+        *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest. For
+                         means and sums the one value of blocks that are empty; no finite number: they have none */
     int32_t blocks[3];
     int shift;
     const vvi_parc *parc; /**< where rays of the eye meet boxes in which something is visible; NULL: not known */

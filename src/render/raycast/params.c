@@ -35,7 +35,8 @@ static const vv_property properties[] = {
      .doc = "vary the position of samples from ray to ray: fine grain instead of rings, which several passes average "
             "out; for light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "skip blocks in which nothing is visible; the picture is the same without it, for surfaces to rounding"},
+     .doc = "skip blocks in which nothing is visible, or that a projection knows without their samples; the picture is "
+            "the same without it, for surfaces, means and sums to rounding"},
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without it, to rounding; for light through clouds and for surfaces"},
