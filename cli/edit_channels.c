@@ -1,4 +1,4 @@
-/* Channels of a data file where a mode shows but one volume. */
+/* Channels of a data file where one value is the surface of all. */
 #include "edits.h"
 #include "input.h"
 #include <string.h>
@@ -31,7 +31,7 @@ static bool has_channels(const vv_world *world)
 vv_status cli_edit_channels(cli_edits *edits)
 {
     const cli_look *o = edits->look;
-    const bool alone = o->iso || (o->mode && strcmp(o->mode, "composite") != 0);
+    const bool alone = o->iso || (o->mode && strcmp(o->mode, "isosurface") == 0);
     vv_world *world = vv_model_snapshot(edits->model);
     const vv_collection *volumes = world->volumes;
     vv_status st = VV_OK;
@@ -40,11 +40,10 @@ vv_status cli_edit_channels(cli_edits *edits)
         for (size_t i = 1; i < volumes->n && st == VV_OK; i++)
             if (is_channel(world, i))
                 st = cli_edit_set(edits, "mode", "false", "volumes.%s.visible", volumes->entry[i].id);
-        cli_command_note(
-            edits->command,
-            "this mode shows one channel: '%s'%s%s; make another visible with --set volumes.ID.visible=true "
-            "and this one invisible",
-            volumes->entry[0].id, first->title ? ", " : "", first->title ? first->title : "");
+        cli_command_note(edits->command,
+                         "one value is no surface of all channels: this is of '%s'%s%s; make others visible with "
+                         "--set volumes.ID.visible=true, each with its own volumes.ID.rays.iso",
+                         volumes->entry[0].id, first->title ? ", " : "", first->title ? first->title : "");
     }
     vv_object_release(&world->base);
     return st;

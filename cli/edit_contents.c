@@ -76,11 +76,9 @@ static vv_status resolve(vv_actor *out, cli_edits *edits, const vv_world *world,
     snprintf(path, sizeof path, "views.%s.render.%s", edits->view, method);
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
     const vv_object *params = vv_path_object(&world->base, path);
-    const vv_ray_value projects =
-        renderer && renderer->projects && params ? renderer->projects(params) : VV_PROJECTS_NOTHING;
     *out = (vv_actor){0};
-    return vvi_resolve_actor(out, &load_s, world, id, vvi_volume_named(world, id), projects,
-                             projects != VV_PROJECTS_NOTHING, edits->command->job);
+    return vvi_resolve_actor(out, &load_s, world, id, vvi_volume_named(world, id), renderer, params,
+                             edits->command->job);
 }
 
 /* The same World with another range of one volume. */

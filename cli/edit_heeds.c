@@ -4,6 +4,7 @@
 #include "edits.h"
 #include "model/context.h"
 #include "refusal.h"
+#include "scene/resolve.h"
 #include "serving.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -159,6 +160,22 @@ bool cli_edit_heeds(cli_edits *edits, const vv_world *world, vv_aspect aspect)
     return renderer && heeds(renderer, params_of(world, edits->view, method), aspect);
 }
 
+/* Whether a volume that is shown in a mode of its own has a use for it. */
+static bool is_used_by_volume(const use *u, const vv_renderer *renderer, const vv_object *params, const vv_world *world)
+{
+    bool used = false;
+    for (size_t i = 0; i < world->volumes->n && !used; i++) {
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        vv_object *own = NULL;
+        if (!volume->visible || !vv_object_is_set(volume->rays, "mode") ||
+            vvi_volume_params(&own, params, volume) != VV_OK)
+            continue;
+        used = is_used(u, renderer, mode_of(renderer, own), own);
+        vv_object_release(own);
+    }
+    return used;
+}
+
 static vv_status check(cli_edits *edits, const vv_world *world, const char *method, const use *uses, size_t n)
 {
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
@@ -166,7 +183,8 @@ static vv_status check(cli_edits *edits, const vv_world *world, const char *meth
     const char *mode = renderer ? mode_of(renderer, params) : NULL;
     vv_status st = VV_OK;
     for (size_t i = 0; renderer && i < n && st == VV_OK; i++)
-        if (uses[i].given && !is_used(&uses[i], renderer, mode, params))
+        if (uses[i].given && !is_used(&uses[i], renderer, mode, params) &&
+            !(params && is_used_by_volume(&uses[i], renderer, params, world)))
             st = refuse(&uses[i], edits, renderer, mode);
     return st;
 }

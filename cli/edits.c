@@ -221,9 +221,6 @@ static const one ones[] = {
     {"shadows", "views.%1$s.render.%2$s.shadows"},
     {"ambient_occlusion", "views.%1$s.render.%2$s.ambient_occlusion"},
     {"slice", "views.%1$s.render.%2$s.orientation"}, /* --slice has chosen the method */
-    {"lighting", "views.%1$s.render.%2$s.lighting"},
-    {"shadows", "views.%1$s.render.%2$s.shadows"},
-    {"ambient_occlusion", "views.%1$s.render.%2$s.ambient_occlusion"},
     {"title", "views.%1$s.decorations.title", FORM_TEXT},
     {"caption", "views.%1$s.decorations.caption", FORM_TEXT},
     {"cross_hair", "cross_hair", FORM_POINT},

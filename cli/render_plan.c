@@ -19,7 +19,11 @@ static uint64_t made_bytes(const vv_renderer *renderer, const vv_world *world, c
     for (size_t i = 0; i < world->volumes->n && renderer->memory; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
         const char *shown = vvi_volume_dataset_id(world, volume);
-        bytes += volume->visible && shown && strcmp(shown, data) == 0 ? renderer->memory(params, volume, info) : 0;
+        vv_object *own = NULL;
+        if (!volume->visible || !shown || strcmp(shown, data) != 0 || vvi_volume_params(&own, params, volume) != VV_OK)
+            continue;
+        bytes += renderer->memory(own, volume, info);
+        vv_object_release(own);
     }
     return bytes;
 }

@@ -176,6 +176,27 @@ typedef struct vv_volume_slices {
     bool clear_below;
 } vv_volume_slices;
 
+/** What is computed from the values along a ray. */
+typedef enum vv_ray_mode {
+    VV_RAY_COMPOSITE, /**< light through a cloud, or the surface of a threshold */
+    VV_RAY_MAXIMUM,
+    VV_RAY_MINIMUM,
+    VV_RAY_MEAN,
+    VV_RAY_SUM,
+    VV_RAY_LOCAL_MAXIMUM,
+    VV_RAY_ISOSURFACE
+} vv_ray_mode;
+
+/** How rays show a volume: what is set takes the place of the view's own parameter of that name. */
+typedef struct vv_volume_rays {
+    vv_object base;
+    int mode;
+    double iso, threshold; /**< value */
+    double step;           /**< world length */
+    int blend;             /**< vv_slice_blend; with the next, of modes that show one value of each ray */
+    double opacity;
+} vv_volume_rays;
+
 /** What of which dataset is shown, where and how. */
 typedef struct vv_volume {
     vv_object base;
@@ -193,6 +214,7 @@ typedef struct vv_volume {
     vv_object *texture; /**< vv_volume_texture */
     vv_collection *cut_planes;
     vv_object *slices; /**< vv_volume_slices */
+    vv_object *rays;   /**< vv_volume_rays */
 } vv_volume;
 
 /** Fields that a dataset has in memory; filled by vv_dataset_attach() or on demand by loading. */

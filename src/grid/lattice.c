@@ -59,6 +59,16 @@ typedef struct conversion {
     double factor, shift; /* lattice number = stored * factor + shift */
 } conversion;
 
+static void read_samples(double *out, const char *in, const vv_brick *b, size_t n)
+{
+    if (b->stride[0] == (int64_t)vv_type_bytes(b->type)) {
+        vvi_samples_to_f64(out, in, b->type, n);
+        return;
+    }
+    for (size_t i = 0; i < n; i++)
+        vvi_samples_to_f64(&out[i], in + (int64_t)i * b->stride[0], b->type, 1);
+}
+
 /* Item: one slice. */
 static vv_status convert_slice(void *scratch, void *shared, size_t k)
 {
@@ -74,8 +84,7 @@ static vv_status convert_slice(void *scratch, void *shared, size_t k)
         in += (size_t)c->component * in_bytes;
         for (size_t i = 0; i < row; i += CHUNK) {
             const size_t n = row - i < CHUNK ? row - i : CHUNK;
-            for (size_t l = 0; l < n; l++)
-                vvi_samples_to_f64(&chunk[l], in + (int64_t)(i + l) * b->stride[0], b->type, 1);
+            read_samples(chunk, in + (int64_t)i * b->stride[0], b, n);
             for (size_t l = 0; l < n; l++)
                 chunk[l] = chunk[l] * c->factor + c->shift;
             vvi_samples_from_f64(out + i * out_bytes, chunk, c->type, n);

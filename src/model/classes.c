@@ -317,6 +317,39 @@ const vv_class vvi_volume_slices_class = {
     .properties = slices,
 };
 
+const char *const vvi_ray_modes[] = {"composite", "maximum",       "minimum",    "mean",
+                                     "sum",       "local-maximum", "isosurface", NULL};
+const char *const vvi_ray_mode_aliases[] = {"mip", "maximum", "minip", "minimum", "xray",       "sum", "x-ray",
+                                            "sum", "average", "mean",  "iso",     "isosurface", NULL};
+static const vv_property rays[] = {
+    {VV_PROP(vv_volume_rays, mode), .kind = VV_KIND_ENUM, .names = vvi_ray_modes, .aliases = vvi_ray_mode_aliases,
+     .def = VV_RAY_COMPOSITE, .automatic = "the view's",
+     .doc =
+         "what is computed from its values along a ray; modes of one value (maximum, mean, ...) are layers over what "
+         "else is drawn, in the order of volumes"},
+    {VV_PROP(vv_volume_rays, iso), .kind = VV_KIND_F64, .unit = "value", .automatic = "the view's",
+     .doc = "value of its surface in mode isosurface"},
+    {VV_PROP(vv_volume_rays, threshold), .kind = VV_KIND_F64, .unit = "value", .automatic = "the view's",
+     .doc = "in mode local-maximum: local maxima below this value are ignored"},
+    {VV_PROP(vv_volume_rays, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
+     .max = 1e12, .automatic = "the view's, which follows the volume's own voxels",
+     .doc = "distance between samples inside it"},
+    {VV_PROP(vv_volume_rays, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
+     .automatic = "add for channels, else over", .doc = "as a layer: over what lies below, or its light added to that"},
+    {VV_PROP(vv_volume_rays, opacity), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
+     .def = 1,
+     .doc =
+         "as a layer: factor on its opacity, which is the transfer function's for one opacity_length; by itself that "
+         "grows from the first to the last of the colours"},
+    END,
+};
+const vv_class vvi_volume_rays_class = {
+    .name = "rays",
+    .doc = "how rays show it, where that is not as the view says",
+    .size = sizeof(vv_volume_rays),
+    .properties = rays,
+};
+
 static const char *const interpolations[] = {"linear", "nearest", "cubic", NULL};
 static const vv_property volume[] = {
     {VV_PROP(vv_volume, title), VVI_LINE, .doc = "free text"},
@@ -351,6 +384,8 @@ static const vv_property volume[] = {
     {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
      .doc = "its own cut planes, in the space of its data"},
     {VV_PROP(vv_volume, slices), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_slices_class, .doc = "how slices show it"},
+    {VV_PROP(vv_volume, rays), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_rays_class,
+     .doc = "how rays show it, where that is not as the view says"},
     END,
 };
 const vv_class vv_volume_class = {

@@ -8,7 +8,11 @@
 extern const vv_class vvi_placement_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class,
     vvi_label_name_class, vvi_transfer_region_class, vvi_color_data_class, vvi_volume_paint_class,
     vvi_render_choice_class, vvi_layer_choice_class, vvi_volume_texture_class, vvi_decorations_class,
-    vvi_measurement_class, vvi_measured_region_class, vvi_measured_figure_class, vvi_volume_slices_class;
+    vvi_measurement_class, vvi_measured_region_class, vvi_measured_figure_class, vvi_volume_slices_class,
+    vvi_volume_rays_class;
+
+/** Names of vv_ray_mode, and what else they are called. */
+extern const char *const vvi_ray_modes[], *const vvi_ray_mode_aliases[];
 
 /** Kinds of text, by how many bytes they may have: a World is told to everybody who looks at it. */
 #define VVI_TEXT(bytes) .kind = VV_KIND_STRING, .limited = true, .max = (bytes)

@@ -40,6 +40,8 @@ vv_status vvi_sight_open(vvi_sight *out, const vv_scene *scene, vv_job *job)
         return vv_fail_memory((scene->n_actors + 1) * sizeof *out->volumes);
     for (; out->n_volumes < scene->n_actors && st == VV_OK; out->n_volumes += st == VV_OK)
         st = open_volume(&out->volumes[out->n_volumes], &scene->actors[out->n_volumes], job);
+    for (size_t i = 0; i < out->n_volumes; i++)
+        out->volumes[i].layer = vvi_actor_projects(scene, &scene->actors[i]);
     if (st != VV_OK)
         vvi_sight_close(out);
     return st;
@@ -130,13 +132,28 @@ static double extinction(const vvi_sight_volume *v, const ray *r)
     return largest;
 }
 
+/* Whether a layer has found its value here, if that hides half of what is below. */
+static bool hides(const vvi_sight_volume *v, const ray *r)
+{
+    const vv_actor *actor = v->actor;
+    double p[3], rgbk[4];
+    if (!v->layer || actor->layer.blend == VV_SLICE_ADD || !contains(v, r))
+        return false;
+    index_of(p, v, point_at(r, r->depth));
+    vvi_transfer_evaluate(rgbk, &actor->classes, vvi_probe_value(&v->probe, p));
+    return -expm1(-rgbk[3] * actor->classes.opacity_length) * actor->layer.opacity >= 0.5 - 1e-6;
+}
+
 static const vvi_sight_volume *choose(const vvi_sight *sight, const ray *r)
 {
+    for (size_t i = sight->n_volumes; i-- > 0;)
+        if (hides(&sight->volumes[i], r))
+            return &sight->volumes[i];
     const vvi_sight_volume *best = NULL;
     double most = -1;
     for (size_t i = 0; i < sight->n_volumes; i++) {
         const vvi_sight_volume *v = &sight->volumes[i];
-        const double k = contains(v, r) ? (sight->n_volumes > 1 ? extinction(v, r) : 0) : -1;
+        const double k = !contains(v, r) ? -1 : sight->n_volumes == 1 || v->layer ? 0 : extinction(v, r);
         if (k > most) {
             most = k;
             best = v;

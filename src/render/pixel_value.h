@@ -14,6 +14,7 @@ typedef struct vvi_sight_volume {
     vv_affine world_to_index;
     double lo[3], hi[3]; /**< where it has values, index space */
     double voxel;        /**< world */
+    bool layer;          /**< shows one value of each ray, over what is behind it or before */
 } vvi_sight_volume;
 
 typedef struct vvi_sight {
@@ -36,8 +37,8 @@ typedef struct vvi_seen {
     vv_vec3 normal;    /**< against the gradient, or of the face by which the ray enters; towards the eye; or 0 */
 } vvi_seen;
 
-/** At `depth` along the ray through (x, y), in pixels of the scene. Of several volumes the one with the largest
- * extinction there. */
+/** At `depth` along the ray through (x, y), in pixels of the scene. Of several volumes the uppermost layer that hides
+ * half of what is below it there, else the one with the largest extinction. */
 void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, double depth);
 
 /** The layers normal, id and value, where the image has them, from its depth; all threads. Normals that the renderer

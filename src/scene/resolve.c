@@ -72,9 +72,14 @@ static unsigned resolve_layers(const vv_render_choice *choice)
 static bool shows_clouds(const vv_scene *scene)
 {
     const vv_renderer *renderer = scene->renderer;
-    bool clouds = renderer->heeds && scene->params && renderer->heeds(scene->params, VV_ASPECT_OPACITY);
-    for (size_t i = 0; i < scene->n_actors; i++)
-        clouds = clouds && scene->actors[i].classes.kind == VV_SEGMENT_TRANSFER;
+    bool clouds = renderer->heeds && scene->params;
+    if (clouds && !scene->n_actors)
+        clouds = renderer->heeds(scene->params, VV_ASPECT_OPACITY);
+    for (size_t i = 0; i < scene->n_actors && clouds; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        clouds = actor->classes.kind == VV_SEGMENT_TRANSFER &&
+                 renderer->heeds(vv_actor_params(scene, actor), VV_ASPECT_OPACITY);
+    }
     return clouds && !renderer->draw && !scene->n_mesh_actors;
 }
 
@@ -106,21 +111,10 @@ void vvi_resolve_sampling(vv_scene *scene)
     scene->adaptive = wanted && scene->samples == 1 && layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
-/* Whether what is shown is the surface of an amount. */
-static bool shows_solids(const vv_scene *scene)
-{
-    const vv_actor any = {.classes = {.kind = VV_SEGMENT_TRANSFER}};
-    double lo, hi;
-    return scene->renderer->solid && scene->renderer->solid(&lo, &hi, scene, &any);
-}
-
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
     const vv_renderer *renderer = r->scene.renderer;
-    const vv_ray_value projects =
-        renderer->projects && r->scene.params ? renderer->projects(r->scene.params) : VV_PROJECTS_NOTHING;
-    const bool amounts = projects != VV_PROJECTS_NOTHING || shows_solids(&r->scene);
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;
@@ -139,9 +133,9 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
                                         volume, job);
         else
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
-                                   projects, amounts, job);
+                                   renderer, r->scene.params, job);
     }
-    if (st == VV_OK && !amounts && !renderer->plane)
+    if (st == VV_OK && !renderer->plane)
         vvi_veil_amounts(&r->scene, job);
     if (st == VV_OK)
         st = vvi_tell_mesh_actors_apart(&r->scene, job);

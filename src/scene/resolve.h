@@ -31,13 +31,26 @@ typedef struct vvi_cast {
     bool amounts; /**< values are shown, or a surface of one: not labels that nobody calls so */
 } vvi_cast;
 
-/** Data, statistics, place, planes, shading, classification. What was made is in the actor, on failure too. */
+/** Data, statistics, place, planes, shading, classification, for a method with its parameters in the view. What was
+ * made is in the actor, on failure too. */
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_ray_value projects, bool amounts, vv_job *job);
+                            const vv_volume *volume, const vv_renderer *renderer, const vv_object *params, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 /** Of an actor that has its field and statistics: samples that stand for no value become NaN. path: of the volume, for
  * the log; NULL: nothing is said. */
 vv_status vvi_resolve_missing(vv_actor *actor, const vv_volume *volume, const char *path, vv_job *job);
+
+/** A method's parameters for one volume: the view's (NULL: there are none), and what the volume's `rays` say instead.
+ * Yours to release. */
+vv_status vvi_volume_params(vv_object **out, const vv_object *params, const vv_volume *volume);
+/** Whether a method with these parameters (NULL: none) shows one value of each ray. */
+vv_ray_value vvi_renderer_projects(const vv_renderer *renderer, const vv_object *params);
+/** Whether it does so of a volume; of all that the scene shows. */
+bool vvi_actor_projects(const vv_scene *scene, const vv_actor *actor);
+bool vvi_scene_projects(const vv_scene *scene);
+vv_ray_layer vvi_ray_layer_of(const vv_volume *volume);
+/** A channel: its colour map is one colour. */
+bool vvi_is_channel(const vv_transfer *transfer);
 
 /** Of a scene whose actors are worked out: amounts that nobody gave an opacity are a veil where labels are shown as
  * well. */

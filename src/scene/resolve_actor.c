@@ -256,21 +256,36 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor)
     }
 }
 
+/* Whether the surface of an amount is shown. */
+static bool shows_solid(const vv_renderer *renderer, const vv_object *params)
+{
+    const vv_actor any = {.classes = {.kind = VV_SEGMENT_TRANSFER}};
+    const vv_scene scene = {.renderer = renderer, .params = params};
+    double lo, hi;
+    return renderer && renderer->solid && renderer->solid(&lo, &hi, &scene, &any);
+}
+
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_ray_value projects, bool amounts, vv_job *job)
+                            const vv_volume *volume, const vv_renderer *renderer, const vv_object *params, vv_job *job)
 {
     char path[256];
     vv_affine data_to_world;
-    vv_status st = VV_OK;
+    vv_object *own = NULL;
+    vv_status st = vvi_volume_params(&own, params, volume);
+    if (st != VV_OK)
+        return st;
     snprintf(path, sizeof path, "volumes.%s", id);
     actor->id = id;
+    actor->params = own;
+    actor->layer = vvi_ray_layer_of(volume);
     if ((st = load(actor, load_s, world, volume, path, job)) != VV_OK ||
         (st = place(actor, &data_to_world, world, volume, path)) != VV_OK ||
         (st = vvi_resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
     vvi_resolve_shading(actor, world, volume);
-    vvi_cast cast = {
-        .world = world, .volume = volume, .actor = actor, .path = path, .projects = projects, .amounts = amounts};
+    vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path};
+    cast.projects = vvi_renderer_projects(renderer, own);
+    cast.amounts = cast.projects != VV_PROJECTS_NOTHING || shows_solid(renderer, own);
     cast.voxel = vvi_actor_voxel(actor);
     if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK ||
         (st = vvi_resolve_texture(&cast, &data_to_world, job)) != VV_OK)
@@ -294,4 +309,5 @@ void vvi_actor_finish(vv_actor *actor)
     vv_field_release((vv_field *)actor->paint.field);
     vvi_free((void *)actor->paint.color);
     vv_image_release(actor->texture.image);
+    vv_object_release((vv_object *)(uintptr_t)actor->params);
 }

@@ -202,10 +202,34 @@ static size_t two_sided_opacity(double rows[4 * VVI_FIT_NODES], const vvi_cast *
     return 2 * n;
 }
 
+/* Of one value of each ray, whose colours are known: from one end of these to the other, or away from zero. Light that
+ * is added hides nothing. */
+static vv_status layer_opacity(vvi_cast *cast, vv_job *job)
+{
+    vv_classification *k = &cast->actor->classes;
+    const double lo = k->n_color ? k->color[0] : 0, hi = k->n_color ? k->color[4 * (k->n_color - 1)] : lo;
+    const double even[2] = {lo, 1}, grows[4] = {lo, 0, hi, 1}, falls[4] = {lo, 1, hi, 0};
+    const double away[6] = {lo, 1, 0, 0, hi, 1};
+    const double *rows = cast->projects == VV_PROJECTS_SMALLEST ? falls : grows;
+    size_t n = 4;
+    if (cast->actor->layer.blend == VV_SLICE_ADD || !(hi > lo)) {
+        rows = even;
+        n = 2;
+    } else if (cast->two_sided && lo < 0 && hi > 0) {
+        rows = away;
+        n = 6;
+    }
+    return copy_rows(&k->opacity, &k->n_opacity, rows, n, 2, job);
+}
+
 static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
 {
     const vv_grid *grid = &vv_field_get_info(cast->actor->field)->grid;
     double *rows = NULL;
+    if (cast->fit.empty)
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, so nothing is seen", cast->path);
+    if (cast->projects != VV_PROJECTS_NOTHING)
+        return layer_opacity(cast, job);
     const vv_status st = new_rows(&rows, 4 * VVI_FIT_NODES, job);
     if (st != VV_OK)
         return st;
@@ -224,8 +248,6 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
     cast->actor->classes.n_opacity =
         cast->two_sided ? two_sided_opacity(rows, cast)
                         : vvi_fit_opacity(rows, &cast->fit, c->lo, c->hi, extent(cast->actor), cast->voxel);
-    if (cast->fit.empty)
-        vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, so nothing is seen", cast->path);
     return VV_OK;
 }
 
@@ -243,7 +265,7 @@ static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
     const vv_statistics *s = cast->actor->statistics;
     const double lo = is_set(t, "range_lo") ? c->lo : s->percentile[0];
     double hi = is_set(t, "range_hi") ? c->hi : s->percentile[4];
-    if (cast->projects != VV_PROJECTS_EXTREME && !is_set(t, "range_hi")) {
+    if ((cast->projects == VV_PROJECTS_MEAN || cast->projects == VV_PROJECTS_SUM) && !is_set(t, "range_hi")) {
         double most;
         const vv_status st = vvi_exposure(&most, cast->actor, cast->projects == VV_PROJECTS_SUM, job);
         if (st != VV_OK)
@@ -392,7 +414,7 @@ static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, v
                 "%s: preset '%s' is for values in %s, which these are not: stretched over %g to %g "
                 "(segmentation.transfer.range_lo, range_hi)",
                 cast->path, c.preset->head.name, c.preset->head.value_unit, c.lo, c.hi);
-    if ((st = resolve_opacity(cast, &c, map, job)) != VV_OK || (st = resolve_color(cast, &c, map, job)) != VV_OK)
+    if ((st = resolve_color(cast, &c, map, job)) != VV_OK || (st = resolve_opacity(cast, &c, map, job)) != VV_OK)
         return st;
     const bool typed = is_set(&transfer->base, "opacity");
     if (is_set(&transfer->base, "opacity_length"))

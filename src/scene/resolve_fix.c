@@ -164,7 +164,7 @@ static void fix_iso(writer *w, const vvi_resolved *r)
 {
     const vv_scene *scene = &r->scene;
     if (scene->n_actors != 1 || !scene->params || !vv_class_find(scene->params->cls, "iso") ||
-        vv_object_is_set(scene->params, "iso") || is_threshold(scene, &scene->actors[0]))
+        vv_object_is_set(vv_actor_params(scene, &scene->actors[0]), "iso") || is_threshold(scene, &scene->actors[0]))
         return;
     snprintf(w->prefix, sizeof w->prefix, "views.%s.render.%s.", r->view_id, scene->renderer->name);
     put_number(w, "iso", scene->actors[0].iso);

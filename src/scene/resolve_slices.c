@@ -6,8 +6,7 @@
 
 #define OVER_OTHERS 0.5 /* opacity of what covers all that is below it */
 
-/* A channel: its colour map is one colour. */
-static bool is_channel(const vv_transfer *transfer)
+bool vvi_is_channel(const vv_transfer *transfer)
 {
     return transfer->colormap && transfer->colormap[0] == '#';
 }
@@ -34,7 +33,7 @@ static void centre_window(vv_slice_look *look, const vv_statistics *s)
 static void resolve_window(vv_slice_look *look, const vv_volume_slices *slices, const vv_transfer *transfer,
                            const vv_statistics *s)
 {
-    const bool wide = s->percentile[4] > s->percentile[1], channel = is_channel(transfer);
+    const bool wide = s->percentile[4] > s->percentile[1], channel = vvi_is_channel(transfer);
     look->lo = wide ? s->percentile[1] : s->min;
     look->hi = wide ? s->percentile[4] : s->max > s->min ? s->max : s->min + 1;
     centre_window(look, s);
@@ -61,7 +60,7 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
     const vv_volume_slices *slices = (const vv_volume_slices *)(const void *)volume->slices;
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
     const vv_transfer *transfer = (const vv_transfer *)(const void *)segmentation->transfer;
-    const bool channel = is_channel(transfer);
+    const bool channel = vvi_is_channel(transfer);
     *look = (vv_slice_look){.colors = slices->colors, .blend = channel ? VV_SLICE_ADD : VV_SLICE_OVER};
     if (vv_object_is_set(&slices->base, "blend"))
         look->blend = slices->blend;

@@ -15,6 +15,10 @@ static const vv_volume *volume_of(const vv_scene *scene, const vv_actor *actor)
 /* Nobody says how opaque it is. */
 static bool is_fitted(const vv_scene *scene, const vv_actor *actor)
 {
+    double lo, hi;
+    const vv_renderer *renderer = scene->renderer;
+    if (vvi_actor_projects(scene, actor) || (renderer->solid && renderer->solid(&lo, &hi, scene, actor)))
+        return false;
     const vv_segmentation *s = (const vv_segmentation *)volume_of(scene, actor)->segmentation;
     const vv_object *t = s->transfer;
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;

@@ -6,6 +6,7 @@
 #include "grid/lattice.h"
 #include "grid/minmax.h"
 #include "scene/label_ids.h"
+#include "scene/resolve.h"
 #include "scene/transfer.h"
 #include <math.h>
 #include <stdlib.h>
@@ -368,7 +369,6 @@ static sight sight_of(const vv_scene *scene, const vv_actor *actor)
 
 vv_status vvi_visible_points(vv_vec3 out[VVI_VISIBLE_POINTS], const vv_scene *scene, const vv_actor *actor, vv_job *job)
 {
-    const vv_renderer *renderer = scene->renderer;
     const sight s = sight_of(scene, actor);
     request r = {actor, &s};
     vvi_cached *cached = NULL;
@@ -376,7 +376,7 @@ vv_status vvi_visible_points(vv_vec3 out[VVI_VISIBLE_POINTS], const vv_scene *sc
     begin_with_nothing(&all, actor);
     add_all(&all);
     memcpy(out, all.point, sizeof all.point);
-    if (renderer->projects && scene->params && renderer->projects(scene->params) != VV_PROJECTS_NOTHING)
+    if (vvi_actor_projects(scene, actor))
         return VV_OK;
     const vvi_cache_key key = {"visible", vv_field_identity(actor->field), hash_sight(&s, actor)};
     const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, &r, job);

@@ -180,6 +180,16 @@ def test_a_dry_run_with_decorations_tells_enough_memory():
         assert ok(*command, "--dry-run").json["memory_bytes"] >= ok(*command).json["peak_bytes"]
 
 
+def test_a_dry_run_counts_the_light_volume():
+    write_ball()
+    command = ("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "64", "--json")
+    plain = ok(*command, "--dry-run").json["memory_bytes"]
+    assert ok(*command, "--mode", "maximum", "--dry-run").json["memory_bytes"] == plain
+    for lighting in (["--lighting", "cinematic"], ["--shadows"], ["--ambient-occlusion"]):
+        planned, taken = ok(*command, *lighting, "--dry-run").json["memory_bytes"], ok(*command, *lighting).json["peak_bytes"]
+        assert planned > plain and planned >= taken, (lighting, planned, taken)
+
+
 def test_a_dry_run_tells_about_what_a_picture_takes():
     write_ball(n=8)
     for words in ([], ["--quality", "draft"], ["--slice", "axial"], ["--noise", "1%"], ["--iso", "100", "--method", "surface"],

@@ -42,7 +42,8 @@ void test_ray_scene_init(test_ray_scene *s, const vv_field *field, double height
                           .specular = 0.3f,
                           .shininess = 12,
                           .two_sided = true,
-                          .color = {0.9f, 0.6f, 0.3f}};
+                          .color = {0.9f, 0.6f, 0.3f},
+                          .layer = {.opacity = 1}};
     assert_int_equal(vv_field_statistics(&s->statistics, field, 0, NULL), VV_OK);
     s->actor.classes.opacity = s->opacity;
     s->actor.classes.color = s->color;

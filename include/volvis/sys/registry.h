@@ -261,7 +261,8 @@ typedef enum vv_ray_value {
     VV_PROJECTS_NOTHING, /**< it does not */
     VV_PROJECTS_EXTREME, /**< one of the values on it */
     VV_PROJECTS_MEAN,    /**< their mean */
-    VV_PROJECTS_SUM      /**< their sum over the length of the volume's diagonal */
+    VV_PROJECTS_SUM,     /**< their sum over the length of the volume's diagonal */
+    VV_PROJECTS_SMALLEST /**< the smallest of them */
 } vv_ray_value;
 
 /** What of a World pictures may depend on, beside a method's own parameters. */
@@ -312,7 +313,8 @@ typedef struct vv_renderer {
                         vv_render_counts *counts, vv_job *job);
     void (*finish)(void *state);
     /** Whether these parameters show one value of each ray instead of light through a cloud: colours that nobody chose
-     * are then greys, over all values or over what means of them come to. NULL: never. */
+     * are then greys, over all values or over what means of them come to, and opacity goes from 0 to 1 over the values
+     * of the colours (of the smallest, from 1 to 0). NULL: never. */
     vv_ray_value (*projects)(const vv_object *params);
     /** Whether an actor is seen as a solid, and the values [lo, hi] that it has: what a legend says. NULL: where its
      * segmentation is a threshold. */

@@ -93,6 +93,13 @@ typedef struct vv_slice_look {
     bool clear_middle; /**< the middle of the window is clear, and opacity grows away from it: of overlays about zero */
 } vv_slice_look;
 
+/** How one value of each ray through a volume lies over what else is drawn: as opaque as classes say for one
+ * opacity_length. */
+typedef struct vv_ray_layer {
+    int blend;      /**< vv_slice_blend */
+    double opacity; /**< factor */
+} vv_ray_layer;
+
 /** One visible volume of samples. */
 typedef struct vv_actor {
     const char *id;
@@ -117,6 +124,8 @@ typedef struct vv_actor {
     size_t n_planes;
     vv_statistics *statistics; /**< of the component */
     vv_slice_look slices;
+    const vv_object *params; /**< those of the scene, and what the volume's own `rays` say instead; NULL: the scene's */
+    vv_ray_layer layer;
 } vv_actor;
 
 /** One visible mesh. */
@@ -156,6 +165,12 @@ typedef struct vv_scene {
     uint64_t seed;
     vv_vec3 cross_hair; /**< where slices meet: the World's, else the middle sample of the first volume */
 } vv_scene;
+
+/** The renderer's parameters as they are for one volume. */
+static inline const vv_object *vv_actor_params(const vv_scene *scene, const vv_actor *actor)
+{
+    return actor->params ? actor->params : scene->params;
+}
 
 /** Ray through a place in the picture, (0.5, 0.5) being the centre of the top left pixel; the direction has length 1.
  */

@@ -6,6 +6,7 @@
 #include "render/decorate/round_numbers.h"
 #include "render/decorate/sheet.h"
 #include "scene/lens.h"
+#include "scene/resolve.h"
 #include "scene/transfer.h"
 #include <math.h>
 #include <stdio.h>
@@ -222,6 +223,7 @@ static double opacity_at(const line *l, double value, double length)
 static void add_strip(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s, const vv_actor *actor, bool several)
 {
     const double length = s->scene->actors[0].classes.opacity_length;
+    const bool projects = vvi_actor_projects(s->scene, actor);
     if (actor->colors || actor->classes.n_regions) {
         vvi_log(s->job, VV_LOG_WARNING, "decorations", "%s of volumes.%s cannot be shown along one line of values",
                 actor->colors ? "colours" : "the two-dimensional transfer function", actor->id);
@@ -238,9 +240,9 @@ static void add_strip(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s,
         return;
     }
     l->classes = actor->classes;
-    l->curve = s->projects ? 0 : several ? CURVES : CURVE;
+    l->curve = projects ? 0 : several ? CURVES : CURVE;
     find_range(l, actor->statistics);
-    for (int i = 0; i < STOPS && !s->projects; i++)
+    for (int i = 0; i < STOPS && !projects; i++)
         out->top = fmax(out->top, opacity_at(l, value_at(l, i), length));
 }
 

@@ -32,8 +32,7 @@ vvi_sheet vvi_sheet_new(const vv_scene *scene, vv_job *job)
     s.margin = fmin(1.2 * s.em, 0.05 * side);
     s.layout = (vvi_layout){.width = s.width, .height = s.height, .margin = s.margin, .gap = 0.35 * s.em};
     s.clear = scene->background[3] < 0.5F;
-    s.projects =
-        scene->params && scene->renderer->projects && scene->renderer->projects(scene->params) != VV_PROJECTS_NOTHING;
+    s.projects = vvi_scene_projects(scene);
     s.ink = bright ? (vv_color){0.006, 0.006, 0.008, 1} : (vv_color){0.92, 0.92, 0.92, 1};
     if (vv_object_is_set(&wanted->base, "color"))
         s.ink = wanted->color;

@@ -1,13 +1,15 @@
 /** @file
  * One step through several volumes, their extinctions added (algorithms: section 2.2). For kernels only.
  *
- * Steps are counted from where a ray enters the first of its volumes. In each step a volume takes the part that lies
- * inside it, which it is sampled in the middle of: so entry, exit and what lies between two volumes are exact. A step
- * in which every volume's block is empty is jumped, and with it all up to the first that may not be.
+ * Common steps are as long as those of the finest volume that a ray is in, and are counted from where that changes
+ * (stretch.h). In each step a volume takes the part that lies inside it, which it is sampled in the middle of: so
+ * entry, exit and what lies between two volumes are exact. A step in which every volume's block is empty is jumped, and
+ * with it all up to the first that may not be.
  */
 #ifndef VVI_RENDER_MARCH_BLEND_H
 #define VVI_RENDER_MARCH_BLEND_H
 #include "render/march/color.h"
+#include "render/march/stretch.h"
 
 /* Parts of a step below this are rounding. */
 #define LEAST_PART 1e-6f
@@ -20,17 +22,16 @@ typedef struct composite_state {
     vf depth; /* step at which half of the light was gone; -1: not yet */
     uint64_t samples;
     float opaque;
-    double t0[VV_WIDTH]; /* several volumes: world distance of step 0 */
-    vf limit;            /* and steps until the last one is left */
+    vf limit; /* several volumes: steps until the stretch is over */
 } composite_state;
 
-/** The part of a step inside a volume, in common steps. */
+/** The part of a common step inside a volume. */
 typedef struct part_span {
     vf from, to;
     vm some; /* lanes where it is more than rounding */
 } part_span;
 
-/** What lanes of m see of a volume over their span; `middle` steps from where it begins lies the sample. */
+/** What lanes of m see of a volume over their span; `middle` of its own steps from where it begins lies the sample. */
 typedef void classify_fn(sight *out, march_part *p, const part_span *span, vf middle, vm m);
 
 /** What is built for each way of sampling. */
@@ -55,46 +56,90 @@ VV_INLINE void blend_open(march_part *part, const vvi_blend_setup *f, const samp
         part[i].f = &f->volume[i];
         part[i].by = &samplers[vvi_march_sampler(&f->volume[i].sampler)];
         memset(&part[i].queue, 0, sizeof part[i].queue);
+        memset(&part[i].known_row, 0, sizeof part[i].known_row); /* lanes without a sample are computed as well */
     }
 }
 
-/* Every volume's entry and exit in steps of the common lattice. */
-VV_INLINE void blend_align(march_part *p, const composite_state *s, double step)
+/* The volumes that each ray meets, and with that its stretches. Out of line: one ray after the other. */
+static __attribute__((noinline)) void blend_divide(stretches *out, const march_part *part, size_t n)
 {
-    float first[VV_WIDTH];
-    const uint32_t bits = vm_bits(p->r.hit);
-    for (int l = 0; l < VV_WIDTH; l++)
-        first[l] = bits >> l & 1 ? (float)((p->r.t0[l] - s->t0[l]) / step) : 0.0f;
-    p->first = vf_load(first);
-    p->last = vf_select(p->r.hit, p->first + p->r.n, p->first);
+    passage p[VV_WIDTH][VVI_BLEND_VOLUMES];
+    size_t met[VV_WIDTH] = {0};
+    for (size_t i = 0; i < n; i++) {
+        const packet *r = &part[i].r;
+        const uint32_t bits = vm_bits(r->hit);
+        float steps[VV_WIDTH];
+        vf_store(steps, r->n);
+        for (int l = 0; l < VV_WIDTH; l++)
+            if (bits >> l & 1)
+                p[l][met[l]++] = (passage){r->t0[l], r->t0[l] + (double)steps[l] * part[i].f->step, part[i].f->step};
+    }
+    out->most = 0;
+    for (int l = 0; l < VV_WIDTH; l++) {
+        out->n[l] = find_stretches(out->of[l], p[l], met[l]);
+        out->most = out->n[l] > out->most ? out->n[l] : out->most;
+    }
+}
+
+VV_INLINE void blend_begin(stretches *out, composite_state *s, const vvi_rays *rays, size_t at)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        packet_begin(&s->part[i].r, s->part[i].f, rays, at);
+        queue_begin(&s->part[i].queue);
+    }
+    blend_divide(out, s->part, s->n);
+}
+
+/* A volume's entry and exit in the common steps of a stretch. */
+VV_INLINE void blend_align(march_part *p, const stretches *along, int number)
+{
+    float first[VV_WIDTH] = {0}, scale[VV_WIDTH] = {0}, inverse[VV_WIDTH] = {0};
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const stretch *to = &along->of[l][number];
+        if (number >= along->n[l])
+            continue;
+        first[l] = (float)((p->r.t0[l] - to->from) / to->step);
+        scale[l] = (float)(to->step / p->f->step);
+        inverse[l] = (float)(p->f->step / to->step);
+    }
+    p->scale = vf_load(scale);
+    p->inverse = vf_load(inverse);
+    p->first = vf_select(p->r.hit, vf_load(first), vf_set1(0.0f));
+    p->last = vf_select(p->r.hit, p->first + p->r.n * p->inverse, p->first);
     p->look = vf_set1(0.0f);
     p->busy = vm_none();
     p->known_at = vf_set1(-1.0f);
     p->known = vf_set1(0.0f);
-    queue_begin(&p->queue);
 }
 
-/** Rays that meet a volume. */
-VV_INLINE vm blend_begin(composite_state *s, const vvi_blend_setup *f, const vvi_rays *rays, size_t at)
+/** Rays that have that many stretches, and go on. */
+VV_INLINE vm blend_enter(composite_state *s, const stretches *along, int number)
 {
-    vm hit = vm_none();
-    for (int l = 0; l < VV_WIDTH; l++)
-        s->t0[l] = INFINITY;
-    for (size_t i = 0; i < s->n; i++) {
-        packet *r = &s->part[i].r;
-        packet_begin(r, s->part[i].f, rays, at);
-        const uint32_t bits = vm_bits(r->hit);
-        for (int l = 0; l < VV_WIDTH; l++)
-            if (bits >> l & 1 && r->t0[l] < s->t0[l])
-                s->t0[l] = r->t0[l];
-        hit = vm_or(hit, r->hit);
+    float end[VV_WIDTH];
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const stretch *to = &along->of[l][number];
+        end[l] = number < along->n[l] ? (float)((to->to - to->from) / to->step) : 0.0f;
     }
     s->limit = vf_set1(0.0f);
     for (size_t i = 0; i < s->n; i++) {
-        blend_align(&s->part[i], s, f->step);
-        s->limit = vf_max(s->limit, s->part[i].last);
+        march_part *p = &s->part[i];
+        blend_align(p, along, number);
+        p->last = vf_min(p->last, vf_load(end));
+        s->limit = vf_max(s->limit, p->last);
     }
-    return vm_and(hit, vf_lt(vf_set1(0.0f), s->limit));
+    return vm_and(vf_lt(vf_set1(0.0f), s->limit), vf_lt(vf_set1(s->opaque), s->transmittance));
+}
+
+/** Where half of the light was gone, if that was in this stretch. */
+VV_INLINE void blend_leave(float *depth_out, const composite_state *s, const stretches *along, int number)
+{
+    float depth[VV_WIDTH];
+    vf_store(depth, s->depth);
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const stretch *in = &along->of[l][number];
+        if (depth[l] >= 0 && isinf(depth_out[l]) && number < along->n[l])
+            depth_out[l] = (float)(in->from + (double)depth[l] * in->step);
+    }
 }
 
 /** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
@@ -107,7 +152,7 @@ VV_INLINE void part_look(march_part *p, vf k, vm run)
     const vf next = k + vf_set1(1.0f);
     const part_span b = find_span(p, k);
     /* PARC: nothing is visible before `near` and after `far` */
-    const vf near = vf_floor(p->first + p->r.first), far = p->first + p->r.last;
+    const vf near = vf_floor(p->first + p->r.first * p->inverse), far = p->first + p->r.last * p->inverse;
     const vm inside = vm_and(vm_andnot(vm_and(due, b.some), vf_lt(k, near)), vf_lt(k, far));
     const vm before = vm_or(vf_lt(k, p->first), vf_lt(k, near));
     /* outside: asked again when the ray enters, or never; without blocks: when it leaves */
@@ -117,12 +162,13 @@ VV_INLINE void part_look(march_part *p, vf k, vm run)
     if (f->skipper.reach && vm_any(inside)) {
         /* blocks of an integrated volume speak for all within a step of them, so its front decides */
         const vf middle = f->classifier.kind == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
-        const vf at = vf_fma(b.to - b.from, middle, b.from) - p->first;
+        const vf at = (vf_fma(b.to - b.from, middle, b.from) - p->first) * p->scale;
         const block_at block = find_block(f, f->sampler.nearest, packet_point(&p->r, at));
         vm empty;
         const vi reach = look_at_blocks(f, &block, inside, &empty);
         const vf exit = block_exit(&p->r, f, f->sampler.nearest, &block, reach);
-        leave = sample_after(k, exit + p->first, middle);
+        const vf slack = (p->inverse - vf_set1(1.0f)) * vf_set1(0.01f); /* a hundredth is one of its own steps */
+        leave = sample_after(k, exit * p->inverse + p->first - slack, middle);
         busy = vm_andnot(inside, empty);
     }
     look = vf_select(inside, leave, look);
@@ -198,7 +244,7 @@ VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
         *b = find_span(p, k);
         /* lanes that are to look again take the sample: they may be in another block by now */
         b->some = vm_and(vm_and(run, b->some), vm_or(p->busy, vf_le(p->look, k)));
-        out->middle[i] = vf_lerp(b->from, b->to, p->r.phase) - p->first;
+        out->middle[i] = (vf_lerp(b->from, b->to, p->r.phase) - p->first) * p->scale;
         if (vm_any(b->some))
             p->by->classify(&out->found[i], p, b, out->middle[i], b->some);
     }
@@ -247,16 +293,12 @@ VV_INLINE void blend_finish(composite_state *s)
     }
 }
 
-VV_INLINE void blend_store(vvi_sink *out, const composite_state *s, const vvi_blend_setup *f, size_t at)
+VV_INLINE void blend_store(vvi_sink *out, const composite_state *s, size_t at)
 {
-    float depth[VV_WIDTH];
     VV_UNROLL
     for (int i = 0; i < 3; i++)
         vf_store(out->rgb[i] + at, s->rgb[i]);
     vf_store(out->through + at, s->transmittance);
-    vf_store(depth, s->depth);
-    for (int l = 0; l < VV_WIDTH; l++)
-        out->depth[at + (size_t)l] = depth[l] < 0 ? INFINITY : (float)(s->t0[l] + (double)depth[l] * f->step);
 }
 
 #endif

@@ -29,11 +29,12 @@ typedef struct color_queue {
 struct march_part {
     const vvi_march_volume *f;
     const struct sampler_row *by; /* several volumes: how this one is classified and coloured */
-    packet r;
-    vf first, last; /* where a ray misses it the same */
-    vf look;        /* step at which its block is looked at again */
-    vm busy;        /* lanes in a block that may show something */
-    vf known_at;    /* integrated: a place, the value there, and its rows, which the next step begins with */
+    packet r;                     /* in steps of its own, from where a ray enters it */
+    vf scale, inverse;            /* several volumes: of its own steps in a common one, and the other way round */
+    vf first, last;               /* common steps; where a ray misses it the same */
+    vf look;                      /* step at which its block is looked at again */
+    vm busy;                      /* lanes in a block that may show something */
+    vf known_at; /* integrated: a place, the value there, and its rows, which the next step begins with */
     vf known;
     row_place known_row;
     color_queue queue;

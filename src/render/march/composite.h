@@ -4,8 +4,8 @@
  *
  * What a kernel does is a constant of the program: `how` is the same in all calls of one. Samples of a single volume
  * lie in the middle of steps counted from where a ray enters it, or where the ray's phase says; the last, shorter step
- * has its own length. Of several volumes each takes the part of a step that lies inside it (blend.h). Blocks where
- * nothing is visible are jumped, so that the samples taken are the same with and without.
+ * has its own length. Of several volumes, whose steps may differ, each takes the part of one that lies inside it
+ * (blend.h). Blocks where nothing is visible are jumped, so that the samples taken are the same with and without.
  */
 #ifndef VVI_RENDER_MARCH_COMPOSITE_H
 #define VVI_RENDER_MARCH_COMPOSITE_H
@@ -236,15 +236,21 @@ VV_INLINE void composite_blend(vvi_sink *out, const vvi_blend_setup *f, const vv
                                const sampler_row *samplers)
 {
     march_part part[VVI_BLEND_VOLUMES];
+    stretches along;
     blend_open(part, f, samplers);
     for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
         composite_state s;
         composite_begin(&s, part, f->n_volumes, f->opaque);
-        const vm run = blend_begin(&s, f, rays, at);
-        composite_march(&s, HOW_ANY, 0, NULL, vf_set1(0.0f), s.limit, vf_set1(0.0f), false, vf_set1(1.0f), run);
+        blend_begin(&along, &s, rays, at);
+        vf_store(out->depth + at, vf_set1(INFINITY));
+        for (int i = 0; i < along.most; i++) {
+            const vm run = blend_enter(&s, &along, i);
+            composite_march(&s, HOW_ANY, 0, NULL, vf_set1(0.0f), s.limit, vf_set1(0.0f), false, vf_set1(1.0f), run);
+            blend_leave(out->depth + at, &s, &along, i);
+        }
         blend_finish(&s);
         counts->samples += s.samples;
-        blend_store(out, &s, f, at);
+        blend_store(out, &s, at);
     }
 }
 

@@ -7,7 +7,7 @@
 static __attribute__((noinline)) void find_front(march_part *p, const vf *from, vm fresh)
 {
     const vvi_march_volume *f = p->f;
-    const vf3 at = packet_point(&p->r, *from - p->first);
+    const vf3 at = packet_point(&p->r, (*from - p->first) * p->scale);
     const vf value =
         f->sampler.cubic ? cubic_value(&f->sampler.lattice, &at, fresh) : value_linear(&f->sampler.lattice, &at, fresh);
     row_place row;
@@ -26,7 +26,8 @@ VV_INLINE vm integrate(sight *out, march_part *p, const part_span *span, vf valu
     const vm real = vm_and(m, vm_and(is_number(value), is_number(p->known)));
     row_place back;
     find_row(&back, &f->classifier, value);
-    mean_between(out, f, &p->known_row, &back, (p->known + value) * vf_set1(0.5f), span->to - span->from, real);
+    mean_between(out, f, &p->known_row, &back, (p->known + value) * vf_set1(0.5f), (span->to - span->from) * p->scale,
+                 real);
     p->known = vf_select(m, value, p->known);
     p->known_at = vf_select(m, span->to, p->known_at);
     select_row(&p->known_row, m, &back);
@@ -48,11 +49,11 @@ VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf mid
     const vvi_march_volume *f = p->f;
     const int kind = f->classifier.kind;
     const bool labels = kind == VVI_CLASSIFY_LABELS && sampler != VVI_RAY_CUBIC;
-    const vf share = span->to - span->from, zero = vf_set1(0.0f);
+    const vf share = (span->to - span->from) * p->scale, zero = vf_set1(0.0f); /* of one of its own steps */
     const vf3 point = packet_point(&p->r, middle);
     vf3 at = point;
     if (kind == VVI_CLASSIFY_INTEGRATED)
-        at = packet_point(&p->r, span->to - p->first);
+        at = packet_point(&p->r, (span->to - p->first) * p->scale);
     const vf value = labels ? winning_label(&f->sampler.lattice, sampler, at, m) : part_value(f, sampler, at, m);
     vm real = vm_and(m, is_number(value)), steep = vm_none();
     out->entry = vi_set1(0);

@@ -59,16 +59,18 @@ VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_marc
     extremum_sample(s, r, f, type, nearest, r->n, r->hit);
 }
 
-/** The table's colour for one value of each ray (stored numbers), and where it was found. */
+/** The table's colour for one value of each ray (stored numbers), as dense as the layer is, and where it was found. */
 VV_INLINE void store_values(vvi_sink *out, const packet *r, const vvi_march_volume *f, size_t to, vf value, vm found,
                             vf depth)
 {
-    const vi at = vi_shl(find_entry(f, value, found), 2);
-    vf rgb[3];
+    const vi entry = find_entry(f, value, found), at = vi_shl(entry, 2);
+    vf rgb[3], weight = vf_select(found, vf_set1(f->projection.opacity), vf_set1(0.0f));
+    if (f->projection.by_value)
+        weight = weight * vf_gather4(f->classifier.alpha, entry, found);
     VV_UNROLL
     for (int c = 0; c < 3; c++)
-        rgb[c] = vf_gather4(f->classifier.color + c, at, found);
-    packet_store(out, r, f, to, rgb, vf_select(found, vf_set1(0.0f), vf_set1(1.0f)), depth);
+        rgb[c] = vf_gather4(f->classifier.color + c, at, found) * weight;
+    packet_store(out, r, f, to, rgb, vf_set1(1.0f) - weight, depth);
 }
 
 VV_INLINE void extremum_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,

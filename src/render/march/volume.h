@@ -38,8 +38,10 @@ static inline int vvi_march_sampler(const vvi_sampler *s)
 
 /** What can be jumped. */
 typedef struct vvi_skipper {
-    const uint8_t *reach;     /**< of each block (skip.h); NULL: none */
-    const float *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest */
+    const uint8_t *reach; /**< of each block (skip.h); NULL: none. For means and sums, blocks of one value are empty */
+    const float
+        *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest. For
+                         means and sums the one value of blocks that are empty; no finite number: they have none */
     int32_t blocks[3];
     int shift;
     const vvi_parc *parc; /**< where rays of the eye meet boxes in which something is visible; NULL: not known */
@@ -84,6 +86,8 @@ typedef struct vvi_projection {
     float stored_zero; /**< the stored number that means 0 */
     bool over_longest; /**< the sum over the longest ray's length, not over the ray's own */
     float longest;     /**< steps from corner to corner */
+    float opacity;     /**< of what is found */
+    bool by_value;     /**< times that of the table's row */
 } vvi_projection;
 
 /** A solid is where the stored value is in [lo, hi]. */
@@ -143,9 +147,8 @@ typedef struct vvi_march_volume {
 enum { VVI_BLEND_VOLUMES = 8 };
 typedef struct vvi_blend_setup {
     vvi_march_volume volume[VVI_BLEND_VOLUMES];
-    size_t n_volumes; /**< at least 1; all have the same view, step and `opaque` */
-    double step;
-    float opaque; /**< a ray ends when less transmittance than this is left */
+    size_t n_volumes; /**< at least 1; all have the same view and `opaque` */
+    float opaque;     /**< a ray ends when less transmittance than this is left */
 } vvi_blend_setup;
 
 #endif

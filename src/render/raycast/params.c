@@ -1,11 +1,6 @@
 /* The ray caster's parameters, as rows. */
+#include "model/classes.h"
 #include "render/raycast/raycast.h"
-
-static const char *const mode_names[] = {"composite", "maximum",       "minimum",    "mean",
-                                         "sum",       "local-maximum", "isosurface", NULL};
-
-static const char *const mode_aliases[] = {"mip", "maximum", "minip", "minimum", "xray",       "sum", "x-ray",
-                                           "sum", "average", "mean",  "iso",     "isosurface", NULL};
 
 static const char *const gradient_names[] = {"central", "cell", NULL};
 
@@ -13,18 +8,18 @@ static const char *const lighting_names[] = {"local", "cinematic", NULL};
 #define LIT "mode=composite|isosurface"
 
 static const vv_property properties[] = {
-    {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .aliases = mode_aliases,
-     .def = VVI_RAYCAST_COMPOSITE,
+    {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = vvi_ray_modes, .aliases = vvi_ray_mode_aliases,
+     .def = VV_RAY_COMPOSITE,
      .doc = "what is computed from the values along a ray: light through a cloud; their maximum, minimum or mean; "
             "their sum relative to the length of the volume's diagonal, as in an X-ray; the first local maximum above "
-            "the threshold; or the first surface"},
+            "the threshold; or the first surface. A volume may have its own (rays.mode)"},
     {VV_PROP(vvi_raycast_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "a valley of the histogram between the background and the object", .when = "mode=isosurface",
      .doc = "value of the surface in isosurface mode"},
     {VV_PROP(vvi_raycast_params, threshold), .kind = VV_KIND_F64, .unit = "value", .automatic = "like iso",
      .when = "mode=local-maximum", .doc = "local maxima below this value are ignored"},
     {VV_PROP(vvi_raycast_params, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
-     .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 voxels",
+     .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 of a volume's own voxels",
      .when = "mode=composite|maximum|minimum|mean|sum|local-maximum",
      .doc =
          "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it changes only the accuracy"},
@@ -40,7 +35,8 @@ static const vv_property properties[] = {
      .doc = "vary the position of samples from ray to ray: fine grain instead of rings, which several passes average "
             "out; for light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "skip blocks in which nothing is visible; the picture is the same without it, for surfaces to rounding"},
+     .doc = "skip blocks in which nothing is visible, or that a projection knows without their samples; the picture is "
+            "the same without it, for surfaces, means and sums to rounding"},
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without it, to rounding; for light through clouds and for surfaces"},

@@ -31,22 +31,17 @@ static const vvi_raycast_params *params_of(const vv_scene *scene)
 
 bool vvi_raycast_solid(double *lo, double *hi, const vvi_raycast_params *p, const vv_actor *actor)
 {
-    const bool iso = p->mode == VVI_RAYCAST_ISOSURFACE;
+    const bool iso = p->mode == VV_RAY_ISOSURFACE;
     *lo = !iso ? actor->classes.lo : vv_object_is_set(&p->base, "iso") ? p->iso : actor->iso;
     *hi = iso ? INFINITY : actor->classes.hi;
-    return iso || (p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.kind == VV_SEGMENT_THRESHOLD);
+    return iso || (p->mode == VV_RAY_COMPOSITE && actor->classes.kind == VV_SEGMENT_THRESHOLD);
 }
 
-/* One step for all volumes, so that their samples lie at the same places: that of the finest. */
-static double find_step(const vvi_raycast_state *s, const vv_scene *scene)
+static double find_step(const vvi_raycast_volume *v, const vv_scene *scene)
 {
-    const vvi_raycast_params *p = params_of(scene);
-    double voxel = INFINITY;
-    if (vv_object_is_set(&p->base, "step"))
-        return p->step;
-    for (size_t i = 0; i < s->n_volumes; i++)
-        voxel = fmin(voxel, vvi_actor_voxel(s->volume[i].actor));
-    return by_quality[scene->quality].step_vox * voxel;
+    const vvi_raycast_params *p = v->params;
+    return vv_object_is_set(&p->base, "step") ? p->step
+                                              : by_quality[scene->quality].step_vox * vvi_actor_voxel(v->actor);
 }
 
 static int halvings_of(const vv_actor *actor, const vv_scene *scene)
@@ -79,7 +74,7 @@ static vv_status fail_of(const vv_actor *actor, const vv_scene *scene, vv_status
 static vv_status number_labels(vvi_raycast_volume *v, const vv_scene *scene, vv_job *job)
 {
     const vv_actor *actor = v->actor;
-    if (actor->classes.kind != VV_SEGMENT_LABELS || params_of(scene)->mode == VVI_RAYCAST_ISOSURFACE ||
+    if (actor->classes.kind != VV_SEGMENT_LABELS || v->params->mode == VV_RAY_ISOSURFACE ||
         !vvi_label_ids_needed(vv_field_get_info(actor->field), actor->statistics))
         return VV_OK;
     const vv_status st = vvi_label_ids_get(&v->ids, actor->field, actor->component, job);
@@ -93,15 +88,16 @@ static vv_status number_labels(vvi_raycast_volume *v, const vv_scene *scene, vv_
 /* The scene's actor, or what stands for it; where there is no memory for that, it does not. */
 static vv_status choose_actor(vvi_raycast_volume *v, const vv_actor *actor, const vv_scene *scene, vv_job *job)
 {
-    static const vvi_halving halving[] = {[VVI_RAYCAST_MAXIMUM] = VVI_HALVE_LARGEST,
-                                          [VVI_RAYCAST_MINIMUM] = VVI_HALVE_SMALLEST,
-                                          [VVI_RAYCAST_LOCAL_MAXIMUM] = VVI_HALVE_LARGEST,
-                                          [VVI_RAYCAST_ISOSURFACE] = VVI_HALVE_MEAN};
+    static const vvi_halving halving[] = {[VV_RAY_MAXIMUM] = VVI_HALVE_LARGEST,
+                                          [VV_RAY_MINIMUM] = VVI_HALVE_SMALLEST,
+                                          [VV_RAY_LOCAL_MAXIMUM] = VVI_HALVE_LARGEST,
+                                          [VV_RAY_ISOSURFACE] = VVI_HALVE_MEAN};
     const int times = halvings_of(actor, scene);
     v->actor = actor;
+    v->params = (const vvi_raycast_params *)vv_actor_params(scene, actor);
     if (!times)
         return number_labels(v, scene, job);
-    const vv_status st = vvi_actor_halve(&v->halved, actor, times, halving[params_of(scene)->mode], job);
+    const vv_status st = vvi_actor_halve(&v->halved, actor, times, halving[v->params->mode], job);
     if (st == VV_OK)
         v->actor = &v->halved;
     return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
@@ -114,29 +110,29 @@ static bool takes_light(const vvi_march_volume *f)
 }
 
 /* What the kernel that draws a volume by itself does. */
-static int kernel_of(const vvi_raycast_volume *v, int mode)
+static int kernel_of(const vvi_raycast_volume *v)
 {
     if (v->solid)
         return VVI_RAY_SURFACE;
-    switch (mode) {
-    case VVI_RAYCAST_MAXIMUM:
-    case VVI_RAYCAST_MINIMUM:
+    switch (v->params->mode) {
+    case VV_RAY_MAXIMUM:
+    case VV_RAY_MINIMUM:
         return VVI_RAY_EXTREMUM;
-    case VVI_RAYCAST_MEAN:
-    case VVI_RAYCAST_SUM:
+    case VV_RAY_MEAN:
+    case VV_RAY_SUM:
         return VVI_RAY_AVERAGE;
-    case VVI_RAYCAST_LOCAL_MAXIMUM:
+    case VV_RAY_LOCAL_MAXIMUM:
         return VVI_RAY_LOCAL_MAXIMUM;
     default:
         return takes_light(&v->ray) ? VVI_RAY_COMPOSITE_LIT : VVI_RAY_COMPOSITE;
     }
 }
 
-static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_ray_kernels *k)
+static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, const vvi_ray_kernels *k)
 {
     if (v->solid && v->ray.sampler.cubic)
         return k->surface_cubic;
-    return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)];
+    return k->of[kernel_of(v)][vvi_lattice_kernel(&v->hold.lattice)];
 }
 
 /* Grain instead of rings, where there are rays enough to even it out and steps long enough to show rings. */
@@ -148,34 +144,35 @@ static bool jitters(const vv_scene *scene)
     return scene->samples > 1 && scene->quality < VV_QUALITY_REFERENCE;
 }
 
-static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
+static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, vv_job *job)
 {
-    const vvi_raycast_params *p = params_of(scene);
+    const vvi_raycast_params *p = v->params;
     vvi_transfer_table table = {0};
     double lo, hi;
-    vv_status st = vvi_raycast_open_volume(v, scene, step, job);
+    vv_status st = vvi_raycast_open_volume(v, scene, find_step(v, scene), job);
     if (st != VV_OK)
         return st;
     v->ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
     v->ray.sampler.cell_gradient =
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);
+    v->layer = vvi_raycast_projects(p->mode);
     v->visible = true;
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else
         st = vvi_raycast_classify(v, &table, scene, job);
-    if (vvi_raycast_projects(p->mode))
+    if (v->layer)
         vvi_raycast_find_projection(v, p);
-    if (st == VV_OK && !vvi_raycast_projects(p->mode))
+    if (st == VV_OK && !v->layer)
         st = vvi_raycast_find_paint(v, job);
-    if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !vvi_raycast_projects(p->mode)) {
+    if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !v->layer) {
         st = vvi_texture_open(&v->texture, v->actor, scene, job);
         v->ray.texture = &v->texture;
     }
     if (st == VV_OK && p->skipping)
-        st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
-    if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible)
+        st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, job);
+    if (st == VV_OK && p->parc && !v->layer && v->visible)
         st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
     return st;
@@ -188,15 +185,14 @@ static void choose_clouds(vvi_raycast_state *s)
     bool any = false;
     for (size_t i = 0; i < s->n_volumes; i++) {
         const vvi_raycast_volume *v = &s->volume[i];
-        if (v->solid) {
-            s->n_surfaces += v->visible;
+        if (v->solid || v->layer) {
+            s->n_surfaces += v->solid && v->visible;
             continue;
         }
         any |= v->visible;
         f->volume[f->n_volumes++] = v->ray; /* steps begin where the first volume does, seen or not */
         s->cloud = v->kernel && f->n_volumes == 1 ? v : NULL;
     }
-    f->step = s->volume[0].ray.step;
     f->opaque = s->volume[0].ray.opaque;
     if (s->cloud || !any)
         f->n_volumes = 0;
@@ -206,22 +202,24 @@ static void choose_clouds(vvi_raycast_state *s)
 
 static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv_job *job)
 {
-    const vvi_raycast_params *p = params_of(scene);
     const vvi_ray_kernels *k = s->kernels;
     for (size_t i = 0; i < scene->n_actors; i++) {
         const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
         if (st != VV_OK)
             return st;
     }
-    const double step = find_step(s, scene);
     for (size_t i = 0; i < s->n_volumes; i++) {
         vvi_raycast_volume *v = &s->volume[i];
-        const vv_status st = prepare_volume(v, scene, step, job);
+        const vv_status st = prepare_volume(v, scene, job);
         if (st != VV_OK)
             return st;
         if (v->solid || !vvi_raycast_needs_more(v))
-            v->kernel = own_kernel(v, p->mode, k);
+            v->kernel = own_kernel(v, k);
+        s->n_layers += v->layer;
     }
+    /* where layers are all there is, the first lies over nothing: it is as dense as if it were alone */
+    for (size_t i = 0; i < s->n_volumes; i++)
+        s->volume[i].ray.projection.by_value = i > 0 || s->n_layers < s->n_volumes || scene->n_mesh_actors;
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
     return VV_OK;
 }

@@ -21,7 +21,7 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *params);
 
 /** Blocks to jump; table NULL: a solid. Clears v->visible where all of them are. */
-vv_status vvi_raycast_find_blocks(vvi_raycast_volume *v, const vvi_transfer_table *table, int mode, vv_job *job);
+vv_status vvi_raycast_find_blocks(vvi_raycast_volume *v, const vvi_transfer_table *table, vv_job *job);
 /** Where rays meet boxes that may show something (PARC), likewise. */
 vv_status vvi_raycast_bound_rays(vvi_raycast_volume *v, const vv_scene *scene, const vvi_transfer_table *table,
                                  vv_job *job);

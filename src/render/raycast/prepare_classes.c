@@ -8,9 +8,9 @@
 
 enum { GUARD_FLOATS = 16 };
 
-static void put_row(vvi_raycast_volume *v, size_t i, const float rgbk[4])
+static void put_row(vvi_raycast_volume *v, size_t i, const float rgbk[4], double length)
 {
-    const double depth = (double)rgbk[3] * v->ray.step;
+    const double depth = (double)rgbk[3] * length;
     v->alpha[i] = (float)-expm1(-depth);
     memcpy(v->color + 4 * i, rgbk, 3 * sizeof *v->color);
     memcpy(v->seen + 4 * i, rgbk, 3 * sizeof *v->seen);
@@ -27,10 +27,11 @@ static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t 
     v->color[4 * i + 3] = -v->alpha[i];
 }
 
-/* Rows of the table for the kernels of one value a sample, and behind them those of rows that are split. Stored numbers
+/* Rows of the table for the kernels of one value a sample, each for a length, and behind them those of rows that are
+ * split. Stored numbers
  * are looked up where they are: entry = stored * scale + shift is the table's place for their value. */
 static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, const vvi_transfer_fine *fine,
-                            vv_job *job)
+                            double length, vv_job *job)
 {
     vvi_march_volume *f = &v->ray;
     const size_t rows = table->n + fine->n_rows;
@@ -40,7 +41,7 @@ static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *tab
     if (!v->alpha || !v->seen || !v->color)
         return vv_fail_memory(rows * 9 * sizeof(float));
     for (size_t i = 0; i < rows; i++)
-        put_row(v, i, i < table->n ? table->rgbk + 4 * i : fine->rgbk + 4 * (i - table->n));
+        put_row(v, i, i < table->n ? table->rgbk + 4 * i : fine->rgbk + 4 * (i - table->n), length);
     for (size_t i = 0; i < table->n && fine->n_rows; i++)
         if (fine->parts[i])
             put_split(v, i, fine->first[i], fine->parts[i]);
@@ -124,10 +125,11 @@ static bool has_narrow_peak(const vv_actor *actor)
     return false;
 }
 
-static bool wants_integral(const vv_actor *actor, const vv_scene *scene)
+static bool wants_integral(const vvi_raycast_volume *v, const vv_scene *scene)
 {
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
-    if (p->mode != VVI_RAYCAST_COMPOSITE || actor->classes.kind != VV_SEGMENT_TRANSFER || actor->nearest)
+    const vv_actor *actor = v->actor;
+    const vvi_raycast_params *p = v->params;
+    if (p->mode != VV_RAY_COMPOSITE || actor->classes.kind != VV_SEGMENT_TRANSFER || actor->nearest)
         return false;
     return vv_object_is_set(&p->base, "preintegrated")
                ? p->preintegrated
@@ -150,8 +152,9 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
 {
     const vv_actor *actor = v->actor;
     const vv_field_info *info = vv_field_get_info(actor->field);
-    const bool composite = ((const vvi_raycast_params *)scene->params)->mode == VVI_RAYCAST_COMPOSITE;
+    const bool composite = v->params->mode == VV_RAY_COMPOSITE;
     const bool labels = actor->classes.kind == VV_SEGMENT_LABELS;
+    const double length = v->layer ? actor->classes.opacity_length : v->ray.step; /* a layer is seen once */
     double lo, hi;
     size_t n;
     if (composite)
@@ -165,9 +168,9 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
     n = actor->nearest || labels ? n : vvi_transfer_finer(n, lo, hi, info);
     if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) == VV_OK &&
         actor->classes.kind == VV_SEGMENT_TRANSFER)
-        st = vvi_transfer_fine_init(&fine, table, &actor->classes, v->ray.step, job);
+        st = vvi_transfer_fine_init(&fine, table, &actor->classes, length, job);
     if (st == VV_OK)
-        st = copy_table(v, table, &fine, job);
+        st = copy_table(v, table, &fine, length, job);
     vvi_transfer_fine_finish(&fine);
     if (st != VV_OK)
         return st;
@@ -175,7 +178,7 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
         v->ray.classifier.kind = VVI_CLASSIFY_LABELS;
         v->ray.classifier.label_range = (float)(vvi_actor_voxel(actor) / v->gradient_unit);
     }
-    return wants_integral(actor, scene) ? copy_integral(v, table, job) : VV_OK;
+    return wants_integral(v, scene) ? copy_integral(v, table, job) : VV_OK;
 }
 
 bool vvi_raycast_needs_more(const vvi_raycast_volume *v)
@@ -202,11 +205,12 @@ void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params
         longest = fmax(longest, vvi_length(corner));
     }
     /* a negative scale turns the order of stored numbers round */
-    f->projection.sign = (p->mode == VVI_RAYCAST_MINIMUM) == (scale < 0) ? 1 : -1;
+    f->projection.sign = (p->mode == VV_RAY_MINIMUM) == (scale < 0) ? 1 : -1;
     f->projection.threshold = (float)((threshold - offset) / scale) * f->projection.sign;
-    f->projection.stored_zero = p->mode == VVI_RAYCAST_SUM ? (float)(-offset / scale) : 0;
-    f->projection.over_longest = p->mode == VVI_RAYCAST_SUM;
+    f->projection.stored_zero = p->mode == VV_RAY_SUM ? (float)(-offset / scale) : 0;
+    f->projection.over_longest = p->mode == VV_RAY_SUM;
     f->projection.longest = (float)(longest / f->step);
+    f->projection.opacity = (float)actor->layer.opacity;
 }
 
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)

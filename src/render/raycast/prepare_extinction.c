@@ -342,7 +342,7 @@ vv_status vvi_raycast_fill_extinction(float *out, const vvi_light_frame *frame, 
         f.x[i] = sample_place(frame, 0, i / each, i % each);
     memset(out, 0, vvi_light_cells(frame->n) * sizeof *out);
     for (size_t i = 0; i < s->n_volumes && st == VV_OK; i++)
-        if (s->volume[i].visible)
+        if (s->volume[i].visible && !s->volume[i].layer)
             st = open_taker(&takers[f.n_takers++], &s->volume[i], frame, job);
     if (st == VV_OK && f.n_takers)
         st = vvi_parallel_for(job, &work, &f, (size_t)frame->n[2]);

@@ -47,6 +47,12 @@ static vv_vec3 corner(const double lo[3], const double hi[3], int i)
     return vvi_vec(i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]);
 }
 
+/* Layers are no things in space. */
+static bool takes_light(const vvi_raycast_volume *v)
+{
+    return v->visible && !v->layer;
+}
+
 /* All that is drawn, in the frame's indices; false: nothing is. */
 static bool find_box(double lo[3], double hi[3], const vvi_light_frame *f, const vvi_raycast_state *s)
 {
@@ -62,9 +68,9 @@ static bool find_box(double lo[3], double hi[3], const vvi_light_frame *f, const
         const vvi_raycast_volume *v = &s->volume[i];
         const int32_t *n = v->hold.lattice.n;
         const double from[3] = {-0.5, -0.5, -0.5}, to[3] = {n[0] - 0.5, n[1] - 0.5, n[2] - 0.5};
-        for (int c = 0; c < 8 && v->visible; c++)
+        for (int c = 0; c < 8 && takes_light(v); c++)
             include(lo, hi, &to_frame, vv_affine_point(v->actor->index_to_world, corner(from, to, c)));
-        any |= v->visible;
+        any |= takes_light(v);
     }
     for (size_t i = 0; i < s->meshes.n; i++) {
         const vvi_ray_mesh *m = &s->meshes.mesh[i];
@@ -88,29 +94,53 @@ static void place_cells(vvi_light_frame *f, const double lo[3], const double hi[
     }
 }
 
+static double cell_length(const vvi_light_frame *f, const double lo[3], const double hi[3])
+{
+    double longest = 0;
+    for (int a = 0; a < 3; a++)
+        longest = fmax(longest, (hi[a] - lo[a]) * vvi_length(f->to_world.axis[a]));
+    return fmax(longest, 1e-30) / CELLS_ALONG;
+}
+
+/* A grid around a box in the frame's indices, of cells about as long, or longer. */
+static void divide(vvi_light_frame *f, const double lo[3], const double hi[3], double length)
+{
+    place_cells(f, lo, hi, length);
+    while ((double)f->n[0] * f->n[1] * f->n[2] > MOST_CELLS)
+        place_cells(f, lo, hi, length *= 1.25);
+}
+
+uint64_t vvi_raycast_light_bytes(const vv_grid *grid, vvi_lighting lighting)
+{
+    vvi_light_frame f = {.to_world = grid->index_to_world};
+    double lo[3] = {-0.5, -0.5, -0.5}, hi[3];
+    if (!lighting.shadows && !lighting.ambient_occlusion)
+        return 0;
+    for (int a = 0; a < 3; a++)
+        hi[a] = (double)grid->dims[a] - 0.5;
+    divide(&f, lo, hi, cell_length(&f, lo, hi));
+    /* extinction; shares of the ambient light, of lamps; all of them packed */
+    const uint64_t lamps = lighting.shadows ? VVI_LIGHT_LAMPS : 0;
+    return vvi_light_cells(f.n) * (sizeof(float) * (2 + lamps) + (lamps + 4) / 4 * sizeof(uint32_t));
+}
+
 static bool find_frame(vvi_light_frame *f, const vvi_raycast_state *s)
 {
-    double lo[3], hi[3], longest = 0;
+    double lo[3], hi[3];
     *f = (vvi_light_frame){.to_world = vv_affine_identity()};
     for (size_t i = 0; i < s->n_volumes && !f->first; i++)
-        f->first = s->volume[i].visible ? &s->volume[i] : NULL;
+        f->first = takes_light(&s->volume[i]) ? &s->volume[i] : NULL;
     if (f->first)
         f->to_world = f->first->actor->index_to_world;
     if (!find_box(lo, hi, f, s))
         return false;
-    for (int a = 0; a < 3; a++)
-        longest = fmax(longest, (hi[a] - lo[a]) * vvi_length(f->to_world.axis[a]));
-    double length = fmax(longest, 1e-30) / CELLS_ALONG;
-    if (!f->first) { /* there are no voxels: cells are */
-        for (int a = 0; a < 3; a++) {
-            f->to_world.axis[a] = vvi_scaled(f->to_world.axis[a], length);
-            lo[a] /= length;
-            hi[a] /= length;
-        }
+    const double length = cell_length(f, lo, hi);
+    for (int a = 0; a < 3 && !f->first; a++) { /* there are no voxels: cells are */
+        f->to_world.axis[a] = vvi_scaled(f->to_world.axis[a], length);
+        lo[a] /= length;
+        hi[a] /= length;
     }
-    place_cells(f, lo, hi, length);
-    while ((double)f->n[0] * f->n[1] * f->n[2] > MOST_CELLS)
-        place_cells(f, lo, hi, length *= 1.25);
+    divide(f, lo, hi, length);
     return true;
 }
 
@@ -189,7 +219,7 @@ static void hash_extinction(request *r)
     h = vvi_hash(r->frame.side, sizeof r->frame.side, h);
     h = vvi_hash(r->frame.lo, sizeof r->frame.lo, h);
     for (size_t i = 0; i < s->n_volumes; i++)
-        if (s->volume[i].visible)
+        if (takes_light(&s->volume[i]))
             h = hash_volume(&s->volume[i], h);
     for (size_t i = 0; i < s->meshes.n; i++)
         h = hash_mesh(&s->meshes.mesh[i], h);
@@ -389,9 +419,18 @@ static vv_status tell_all(vvi_raycast_state *s, const request *r)
     return VV_OK;
 }
 
+/* Of what is lit: volumes have their own mode. */
+static const vvi_raycast_params *lit_params(const vvi_raycast_state *s, const vv_scene *scene)
+{
+    for (size_t i = 0; i < s->n_volumes; i++)
+        if (!s->volume[i].layer)
+            return s->volume[i].params;
+    return (const vvi_raycast_params *)scene->params;
+}
+
 vv_status vvi_raycast_find_light(vvi_raycast_state *s, const vv_scene *scene, vv_job *job)
 {
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    const vvi_raycast_params *p = lit_params(s, scene);
     request r = {.state = s, .scene = scene, .lighting = vvi_raycast_lighting_of(p), .disc = p->lamp_size};
     if ((!r.lighting.shadows && !r.lighting.ambient_occlusion) || !find_frame(&r.frame, s))
         return VV_OK;

@@ -26,4 +26,6 @@ vv_status vvi_raycast_add_meshes(float *inout, const vvi_light_grid *grid, const
 
 /** Works out the light of a frame whose volumes and meshes are ready, and tells them; nothing where nobody asked. */
 vv_status vvi_raycast_find_light(vvi_raycast_state *state, const vv_scene *scene, vv_job *job);
+/** About what it takes at most around one grid, told before its samples are read. */
+uint64_t vvi_raycast_light_bytes(const vv_grid *grid, vvi_lighting lighting);
 #endif

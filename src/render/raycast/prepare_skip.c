@@ -30,6 +30,11 @@ typedef struct skip_request {
     int reach; /* blocks */
 } skip_request;
 
+typedef struct even_request {
+    const vvi_minmax *minmax;
+    const vv_statistics *statistics;
+} even_request;
+
 /* Blocks whose values are those of all within reach; NULL where the blocks' own are. */
 static vv_status spread_blocks(vvi_minmax **out, const skip_request *r, vv_job *job)
 {
@@ -96,7 +101,42 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
     return v->minmax ? VV_OK : vvi_minmax_get(&v->minmax, key_out, &v->hold.brick, 0, shift, job);
 }
 
-vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
+/* Of means and sums: what has more than one value, as far as the least and the largest tell, which leave out what is no
+ * number. */
+static bool is_varied(const void *user, float lo, float hi)
+{
+    const vv_statistics *s = user;
+    return s->nan_count ? lo <= hi : lo < hi;
+}
+
+static vv_status make_even(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const even_request *r = user;
+    vvi_skip *skip = NULL;
+    const vv_status st = vvi_skip_build(&skip, r->minmax, is_varied, r->statistics, job);
+    *bytes_out = (uint64_t)r->minmax->n[0] * (uint64_t)r->minmax->n[1] * (uint64_t)r->minmax->n[2];
+    *value_out = skip;
+    return st;
+}
+
+/* Blocks that are taken at once. To look for a few of them costs more than it saves. */
+static vv_status find_even(vvi_raycast_volume *v, const vvi_minmax *m, const vvi_cache_key *of_minmax, vv_job *job)
+{
+    even_request r = {m, v->actor->statistics};
+    const vvi_cache_key key = {"skip even", of_minmax->identity, of_minmax->parameters};
+    const vv_status st = vvi_cache_get(&v->skip, &key, make_even, vvi_skip_free, &r, job);
+    if (st != VV_OK)
+        return st;
+    const vvi_skip *skip = vvi_cached_value(v->skip);
+    const uint64_t n = (uint64_t)m->n[0] * (uint64_t)m->n[1] * (uint64_t)m->n[2];
+    if (skip->n_occupied <= n - n / 8) {
+        v->ray.skipper.reach = skip->reach;
+        v->ray.skipper.block_bound = m->lo;
+    }
+    return VV_OK;
+}
+
+vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, vv_job *job)
 {
     vvi_march_volume *f = &volume->ray;
     const visibility v = find_visibility(volume, table);
@@ -107,7 +147,9 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
     memcpy(f->skipper.blocks, m->n, sizeof f->skipper.blocks);
     f->skipper.shift = m->shift;
-    if (vvi_raycast_projects(mode)) { /* mean and sum look at everything */
+    if (volume->layer && (volume->params->mode == VV_RAY_MEAN || volume->params->mode == VV_RAY_SUM))
+        return find_even(volume, m, &key, job);
+    if (volume->layer) {
         f->skipper.block_bound = f->projection.sign < 0 ? m->lo : m->hi;
         return VV_OK;
     }

@@ -86,12 +86,14 @@ static void scale_gradients(vvi_raycast_volume *v)
     f->solid.unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
 }
 
-static vv_status light(vvi_march_volume *f, const vv_scene *scene, const vv_actor *actor)
+static vv_status light(vvi_raycast_volume *v, const vv_scene *scene)
 {
+    const vv_actor *actor = v->actor;
+    vvi_march_volume *f = &v->ray;
     if (scene->n_lamps > VVI_RAY_LAMPS)
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
                        scene->n_lamps, VVI_RAY_LAMPS);
-    const vvi_lighting lighting = vvi_raycast_lighting_of((const vvi_raycast_params *)scene->params);
+    const vvi_lighting lighting = vvi_raycast_lighting_of(v->params);
     f->light.unlit = actor->shading_model == VV_SHADING_NONE;
     f->light.shaded = !f->light.unlit || lighting.shadows || lighting.ambient_occlusion;
     f->light.two_sided = actor->two_sided;
@@ -104,12 +106,12 @@ static vv_status light(vvi_march_volume *f, const vv_scene *scene, const vv_acto
     return VV_OK;
 }
 
-static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scene)
+static vv_status check_interpolation(const vvi_raycast_volume *v)
 {
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    const vv_actor *actor = v->actor;
     if (!actor->cubic)
         return VV_OK;
-    if (vvi_raycast_projects(p->mode))
+    if (vvi_raycast_projects(v->params->mode))
         return vv_fail(VV_E_UNSUPPORTED,
                        "volumes.%s.interpolation: cubic is for light through a cloud and for surfaces; modes with one "
                        "value per ray take linear or nearest",
@@ -132,7 +134,7 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
 {
     const vv_actor *actor = v->actor;
     vvi_march_volume *f = &v->ray;
-    vv_status st = check_interpolation(actor, scene);
+    vv_status st = check_interpolation(v);
     if (st != VV_OK)
         return st;
     st = actor->cubic ? vvi_lattice_open_cubic(&v->hold, actor->field, actor->component, job)
@@ -144,7 +146,7 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     f->light.cap_depth = (float)fmax(1, vvi_actor_voxel(actor) / step);
     v->ray.sampler.nearest = actor->nearest;
     v->ray.sampler.cubic = actor->cubic;
-    if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
+    if ((st = place(f, actor)) != VV_OK || (st = light(v, scene)) != VV_OK)
         return st;
     scale_gradients(v);
     return check_step(f, actor, scene);

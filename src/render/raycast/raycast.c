@@ -3,6 +3,7 @@
 #include "config.h"
 #include "core/job.h"
 #include "registry.h"
+#include "render/raycast/prepare_light.h"
 #include <math.h>
 #include <string.h>
 
@@ -10,14 +11,15 @@ static vv_ray_value projects(const vv_object *params)
 {
     const int mode = ((const vvi_raycast_params *)params)->mode;
     return !vvi_raycast_projects(mode) ? VV_PROJECTS_NOTHING
-           : mode == VVI_RAYCAST_MEAN  ? VV_PROJECTS_MEAN
-           : mode == VVI_RAYCAST_SUM   ? VV_PROJECTS_SUM
+           : mode == VV_RAY_MEAN       ? VV_PROJECTS_MEAN
+           : mode == VV_RAY_SUM        ? VV_PROJECTS_SUM
+           : mode == VV_RAY_MINIMUM    ? VV_PROJECTS_SMALLEST
                                        : VV_PROJECTS_EXTREME;
 }
 
 static bool solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
 {
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    const vvi_raycast_params *p = (const vvi_raycast_params *)vv_actor_params(scene, actor);
     return vvi_raycast_solid(lo, hi, p, actor);
 }
 
@@ -27,9 +29,9 @@ static bool heeds(const vv_object *params, vv_aspect aspect)
     const int mode = ((const vvi_raycast_params *)params)->mode;
     switch (aspect) {
     case VV_ASPECT_TRANSFER:
-        return mode != VVI_RAYCAST_ISOSURFACE;
+        return mode != VV_RAY_ISOSURFACE;
     case VV_ASPECT_OPACITY:
-        return mode == VVI_RAYCAST_COMPOSITE;
+        return mode == VV_RAY_COMPOSITE;
     case VV_ASPECT_THRESHOLD:
     case VV_ASPECT_SHADING:
     case VV_ASPECT_COLOR:
@@ -51,16 +53,6 @@ static vv_status accepts(const vv_scene *scene)
             VV_E_UNSUPPORTED,
             "volumes.%s: ray casting shows at most %d volumes at a time and %zu are visible; set visible=false on some",
             scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
-    if (scene->n_actors > 1 && projects(scene->params) != VV_PROJECTS_NOTHING)
-        return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
-                       "the others, or mode=composite",
-                       scene->actors[1].id, scene->n_actors);
-    if (scene->n_mesh_actors && projects(scene->params) != VV_PROJECTS_NOTHING)
-        return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s: is a mesh, and this mode shows one value of each ray; use mode=composite or "
-                       "isosurface, or set visible=false",
-                       scene->mesh_actors[0].look.id);
     return VV_OK;
 }
 
@@ -199,14 +191,44 @@ static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *
     }
 }
 
-/* What is opaque ends rays; clouds and what is translucent are in front of it. */
+/* One value of each ray over what lies below, as slices are blended. Where it takes half of that light or more, what is
+ * seen is at its depth. */
+static void put_layer(vvi_sink *below, const vvi_sink *layer, int blend, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const float through = blend == VV_SLICE_ADD ? 1 : layer->through[i];
+        for (int c = 0; c < 3; c++)
+            below->rgb[c][i] = layer->rgb[c][i] + through * below->rgb[c][i];
+        below->through[i] *= layer->through[i];
+        if (isfinite(layer->depth[i]) && through <= 0.5f)
+            below->depth[i] = layer->depth[i];
+    }
+}
+
+/* Layers are of whole rays, whatever else these meet. */
+static void draw_layers(vvi_sink *below, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
+{
+    vvi_sink layer;
+    for (size_t i = 0; i < s->n_volumes; i++) {
+        const vvi_raycast_volume *v = &s->volume[i];
+        if (!v->layer)
+            continue;
+        v->kernel(&layer, &v->ray, rays, counts);
+        put_layer(below, &layer, v->actor->layer.blend, rays->n);
+    }
+}
+
+/* What is opaque ends rays; clouds and what is translucent are in front of it, and layers over all. */
 static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece)
 {
     const bool any_opaque = s->n_surfaces || s->meshes.n;
     vvi_rays rays;
     vvi_mesh_sink opaque;
     vvi_sink front;
+    double near[VVI_RAY_BATCH], far[VVI_RAY_BATCH];
     s->kernels->eye(&rays, eye, piece);
+    memcpy(near, rays.near, sizeof near);
+    memcpy(far, rays.far, sizeof far);
     if (any_opaque)
         find_opaque(&opaque, &rays, s, t->counts);
     if (s->meshes.translucent)
@@ -215,6 +237,11 @@ static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye
         clear(&front, rays.n);
     if (any_opaque)
         put_behind(&front, &opaque.sink, rays.n);
+    if (s->n_layers) {
+        memcpy(rays.near, near, sizeof near);
+        memcpy(rays.far, far, sizeof far);
+        draw_layers(&front, s, &rays, t->counts);
+    }
     store(t, &rays, &front);
     if (any_opaque && s->meshes.n && (t->image->id || t->image->normal))
         store_meshes(t, &rays, &front, &opaque);
@@ -272,15 +299,17 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     return VV_OK;
 }
 
-/* Least and largest values by cells: a twentieth of the samples, and never nothing; coefficients of cubic splines. */
+/* Least and largest values by cells: a twentieth of the samples, and never nothing; coefficients of cubic splines; the
+ * light volume, of all lamps that it takes. */
 static uint64_t memory(const vv_object *params, const vv_volume *volume, const vv_field_info *info)
 {
     const uint64_t n = (uint64_t)info->grid.dims[0] * (uint64_t)info->grid.dims[1] * (uint64_t)info->grid.dims[2];
+    const vvi_lighting lighting = vvi_raycast_lighting_of((const vvi_raycast_params *)params);
     uint64_t bytes = 0;
-    (void)params;
     if (vv_field_info_bytes(&bytes, info) != VV_OK)
         return 0;
-    return bytes / 20 + (2 << 20) + (volume->interpolation == VV_INTERPOLATE_CUBIC ? n * sizeof(float) : 0);
+    return bytes / 20 + (2 << 20) + (volume->interpolation == VV_INTERPOLATE_CUBIC ? n * sizeof(float) : 0) +
+           vvi_raycast_light_bytes(&info->grid, lighting);
 }
 
 const vv_renderer vvi_renderer_raycast = {

@@ -9,20 +9,10 @@
 #include "render/raycast/mesh_rays.h"
 #include <volvis/model.h>
 
-typedef enum vvi_raycast_mode {
-    VVI_RAYCAST_COMPOSITE,
-    VVI_RAYCAST_MAXIMUM,
-    VVI_RAYCAST_MINIMUM,
-    VVI_RAYCAST_MEAN,
-    VVI_RAYCAST_SUM,
-    VVI_RAYCAST_LOCAL_MAXIMUM,
-    VVI_RAYCAST_ISOSURFACE
-} vvi_raycast_mode;
-
 /** Whether a mode shows one value of each ray. */
 static inline bool vvi_raycast_projects(int mode)
 {
-    return mode != VVI_RAYCAST_COMPOSITE && mode != VVI_RAYCAST_ISOSURFACE;
+    return mode != VV_RAY_COMPOSITE && mode != VV_RAY_ISOSURFACE;
 }
 
 typedef enum vvi_raycast_lighting { VVI_LIGHTING_LOCAL, VVI_LIGHTING_CINEMATIC } vvi_raycast_lighting;
@@ -32,7 +22,7 @@ typedef enum vvi_raycast_gradient { VVI_GRADIENT_CENTRAL, VVI_GRADIENT_CELL } vv
 /** views.<view>.render.raycast */
 typedef struct vvi_raycast_params {
     vv_object base;
-    int mode;
+    int mode;    /**< vv_ray_mode */
     double iso;  /**< value */
     double step; /**< world length */
     double opaque;
@@ -50,13 +40,15 @@ extern const vv_class vvi_raycast_class;
 
 /** One volume of a frame: what kernels get, with what it holds on to. */
 typedef struct vvi_raycast_volume {
-    const vv_actor *actor; /**< the scene's, or `halved` */
-    vv_actor halved;       /**< that with fewer samples, or with numbers for labels; its field is the volume's own. NULL
-                                field: none */
+    const vvi_raycast_params *params; /**< as they are for it */
+    const vv_actor *actor;            /**< the scene's, or `halved` */
+    vv_actor halved; /**< that with fewer samples, or with numbers for labels; its field is the volume's own. NULL
+                          field: none */
     struct vvi_cached *ids; /**< which labels the numbers stand for; NULL: labels are as they are */
     vvi_march_volume ray;   /**< all that kernels get */
     vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only that of several shows it */
     bool solid;             /**< seen as a surface */
+    bool layer;             /**< shows one value of each ray, over all that does not */
     bool visible;           /**< some block of it may show something */
     vvi_lattice_hold hold;
     struct vvi_cached *minmax, *skip, *boxes;
@@ -74,24 +66,26 @@ typedef struct vvi_raycast_volume {
 } vvi_raycast_volume;
 
 /** A frame. Tests make one to compare kernels with the reference. Surfaces and meshes are found first, the nearest
- * along each ray; clouds are then in front of them, one by its own kernel if it is plain, else all of them blended. */
+ * along each ray; clouds are then in front of them, one by its own kernel if it is plain, else all of them blended.
+ * Layers lie over the light of all these, one after the other in the order of volumes. */
 typedef struct vvi_raycast_state {
     vvi_raycast_volume volume[VVI_BLEND_VOLUMES];
     size_t n_volumes;
     const vvi_ray_kernels *kernels;
-    vvi_eye eye;                     /**< of the view; which pass, says the pass */
-    size_t n_surfaces;               /**< volumes that are solid and visible */
-    const vvi_raycast_volume *cloud; /**< the only volume that is no solid, if a kernel of one volume draws it */
+    vvi_eye eye;       /**< of the view; which pass, says the pass */
+    size_t n_surfaces; /**< volumes that are solid and visible */
+    size_t n_layers;
+    const vvi_raycast_volume *cloud; /**< the only cloud, if a kernel of one volume draws it */
     vvi_ray_meshes meshes;
     vvi_light_volume light;   /**< how much of it arrives where; cells NULL: all */
     struct vvi_cached *cells; /**< of it */
     vvi_blend_setup blend;    /**< of the others; n_volumes 0: nothing to blend */
 } vvi_raycast_state;
 
-/** Whether a kernel of one volume draws it. */
+/** Whether the kernel of one cloud or solid draws it. */
 static inline bool vvi_raycast_is_plain(const vvi_raycast_state *s)
 {
-    return s->n_volumes == 1 && s->volume[0].kernel;
+    return s->n_volumes == 1 && s->volume[0].kernel && !s->volume[0].layer;
 }
 
 /** Whether these parameters show a volume as a solid, and the values that it has. */

@@ -117,9 +117,9 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 static void store_value(double rgba[4], const vvi_march_volume *f, double stored)
 {
     const int64_t e = vvi_ref_row(f, stored);
+    rgba[3] = (double)f->projection.opacity * (f->projection.by_value ? (double)f->classifier.alpha[e] : 1);
     for (int c = 0; c < 3; c++)
-        rgba[c] = (double)f->classifier.color[4 * e + c];
-    rgba[3] = 1;
+        rgba[c] = (double)f->classifier.color[4 * e + c] * rgba[3];
 }
 
 /* The extreme data value; or, with a threshold, the first that is above it and followed by a smaller one. */
@@ -166,12 +166,12 @@ static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
 static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mode)
 {
     const vvi_march_volume *f = &r->volume->ray;
-    if (mode == VVI_RAYCAST_MEAN || mode == VVI_RAYCAST_SUM)
-        average(rgba, r, mode == VVI_RAYCAST_SUM);
-    else if (mode == VVI_RAYCAST_LOCAL_MAXIMUM)
+    if (mode == VV_RAY_MEAN || mode == VV_RAY_SUM)
+        average(rgba, r, mode == VV_RAY_SUM);
+    else if (mode == VV_RAY_LOCAL_MAXIMUM)
         extremum(rgba, depth, r, 1, (double)f->projection.threshold);
     else
-        extremum(rgba, depth, r, mode == VVI_RAYCAST_MINIMUM ? -1 : 1, INFINITY);
+        extremum(rgba, depth, r, mode == VV_RAY_MINIMUM ? -1 : 1, INFINITY);
 }
 
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
@@ -211,15 +211,27 @@ void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
 
 static void one_volume(double rgba[4], double *depth, vvi_ref_ray *r)
 {
-    const vvi_raycast_params *p = (const vvi_raycast_params *)r->scene->params;
     if (!vvi_ref_clip(r))
         return;
     if (r->volume->solid)
         vvi_ref_surface(rgba, depth, r);
-    else if (vvi_raycast_projects(p->mode))
-        project(rgba, depth, r, p->mode);
     else
         composite(rgba, depth, r);
+}
+
+/* One value of the ray, over what lies below. */
+static void add_layer(double rgba[4], double *depth, vvi_ref_ray *r)
+{
+    double layer[4] = {0}, at = INFINITY;
+    if (!vvi_ref_clip(r))
+        return;
+    project(layer, &at, r, r->volume->params->mode);
+    const double through = r->volume->actor->layer.blend == VV_SLICE_ADD ? 1 : 1 - layer[3];
+    for (int c = 0; c < 3; c++)
+        rgba[c] = layer[c] + through * rgba[c];
+    rgba[3] = 1 - (1 - layer[3]) * (1 - rgba[3]);
+    if (isfinite(at) && through <= 0.5)
+        *depth = at;
 }
 
 void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const vvi_raycast_state *state, int32_t x,
@@ -237,4 +249,7 @@ void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const
         one_volume(rgba, depth, &rays[0]);
     else
         vvi_ref_blend(rgba, depth, scene, state, rays);
+    for (size_t i = 0; i < state->n_volumes; i++)
+        if (state->volume[i].layer)
+            add_layer(rgba, depth, &rays[i]);
 }

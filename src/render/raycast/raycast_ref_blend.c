@@ -108,7 +108,7 @@ static void add_volume(step_sum *sum, const vvi_ref_ray *r, double from, double 
     double rgb[3] = {0};
     from = fmax(from, r->t0);
     to = fmin(to, r->t1);
-    if (r->volume->solid || to - from <= 1e-6 * step)
+    if (to - from <= 1e-6 * step)
         return;
     const double depth = sample(rgb, r, from, to);
     sum->depth += depth;
@@ -118,37 +118,98 @@ static void add_volume(step_sum *sum, const vvi_ref_ray *r, double from, double 
     sum->to = fmax(sum->to, to);
 }
 
+/* The rays' parts inside clouds that they meet. */
+typedef struct clouds {
+    vvi_ref_ray part[VVI_BLEND_VOLUMES];
+    size_t n;
+} clouds;
+
+static void add_cloud(clouds *all, const vvi_ref_ray *ray, double limit)
+{
+    vvi_ref_ray r = *ray;
+    if (r.volume->solid || vvi_raycast_projects(r.volume->params->mode) || !vvi_ref_clip(&r))
+        return;
+    r.t1 = fmin(r.t1, limit);
+    if (r.t1 > r.t0)
+        all->part[all->n++] = r;
+}
+
+static double first_of(const clouds *all)
+{
+    double first = INFINITY;
+    for (size_t i = 0; i < all->n; i++)
+        first = fmin(first, all->part[i].t0);
+    return first;
+}
+
+static double last_of(const clouds *all)
+{
+    double last = -INFINITY;
+    for (size_t i = 0; i < all->n; i++)
+        last = fmax(last, all->part[i].t1);
+    return last;
+}
+
+/* The step of the finest volume that a ray is in right behind t; 0: it is in none. */
+static double finest_at(const clouds *all, double t)
+{
+    double step = INFINITY;
+    for (size_t i = 0; i < all->n; i++)
+        if (all->part[i].t0 <= t && t < all->part[i].t1)
+            step = fmin(step, all->part[i].volume->ray.step);
+    return isfinite(step) ? step : 0;
+}
+
+/* The step from `start` on, and until where it is the same: steps are counted from there then. Where the ray is in no
+ * volume, it stays as it was. INFINITY: to the end. */
+static double step_from(double *until, const clouds *all, double start)
+{
+    const double step = finest_at(all, start);
+    double at = start;
+    *until = INFINITY;
+    for (bool more = true; more && isinf(*until);) {
+        double next = INFINITY;
+        for (size_t i = 0; i < all->n; i++) {
+            const double ends[2] = {all->part[i].t0, all->part[i].t1};
+            for (int e = 0; e < 2; e++)
+                next = ends[e] > at ? fmin(next, ends[e]) : next;
+        }
+        more = isfinite(next);
+        at = next;
+        const double then = more ? finest_at(all, at) : 0;
+        if (then > 0 && then != step)
+            *until = at;
+    }
+    return step;
+}
+
 void vvi_ref_blend(double rgba[4], double *depth, const vv_scene *scene, const vvi_raycast_state *state,
                    const vvi_ref_ray *rays)
 {
-    const double step = state->blend.step;
-    vvi_ref_ray part[VVI_BLEND_VOLUMES];
-    double behind[4] = {0}, limit = INFINITY, start = INFINITY, end = 0, clear = 1;
+    const double opaque = (double)state->volume[0].ray.opaque;
+    clouds all = {0};
+    double behind[4] = {0}, limit = INFINITY, clear = 1, until, step;
     (void)scene;
     find_behind(behind, &limit, state, rays);
-    for (size_t i = 0; i < state->n_volumes; i++) {
-        part[i] = rays[i];
-        if (part[i].volume->solid || !vvi_ref_clip(&part[i])) {
-            part[i].t0 = part[i].t1 = 0;
-            continue;
+    for (size_t i = 0; i < state->n_volumes; i++)
+        add_cloud(&all, &rays[i], limit);
+    for (double start = first_of(&all); isfinite(start); start = until) {
+        step = step_from(&until, &all, start);
+        const double end = fmin(until, last_of(&all));
+        for (int64_t k = 0; start + (double)k * step < end && clear > opaque; k++) {
+            const double from = start + (double)k * step, to = fmin(from + step, until);
+            step_sum sum = {.from = to, .to = from};
+            for (size_t i = 0; i < all.n; i++)
+                add_volume(&sum, &all.part[i], from, to, step);
+            if (sum.depth <= 0)
+                continue;
+            const double alpha = -expm1(-sum.depth);
+            for (int c = 0; c < 3; c++)
+                rgba[c] += clear * alpha * sum.rgb[c] / sum.depth;
+            if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
+                *depth = (sum.from + sum.to) / 2;
+            clear *= 1 - alpha;
         }
-        start = fmin(start, part[i].t0);
-        part[i].t1 = fmin(part[i].t1, limit);
-        end = fmax(end, part[i].t1);
-    }
-    for (int64_t k = 0; start + (double)k * step < end && clear > (double)state->blend.opaque; k++) {
-        const double from = start + (double)k * step;
-        step_sum sum = {.from = from + step, .to = from};
-        for (size_t i = 0; i < state->n_volumes; i++)
-            add_volume(&sum, &part[i], from, from + step, step);
-        if (sum.depth <= 0)
-            continue;
-        const double alpha = -expm1(-sum.depth);
-        for (int c = 0; c < 3; c++)
-            rgba[c] += clear * alpha * sum.rgb[c] / sum.depth;
-        if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
-            *depth = (sum.from + sum.to) / 2;
-        clear *= 1 - alpha;
     }
     for (int c = 0; c < 3; c++)
         rgba[c] += clear * behind[c];

@@ -20,7 +20,7 @@ static const vvi_surface_params *params_of(const vv_scene *scene)
 
 bool vvi_surface_solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
 {
-    const vvi_surface_params *p = params_of(scene);
+    const vvi_surface_params *p = (const vvi_surface_params *)vv_actor_params(scene, actor);
     if (actor->classes.kind == VV_SEGMENT_LABELS)
         return false;
     const bool given = vv_object_is_set(&p->base, "iso");

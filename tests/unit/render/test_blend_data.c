@@ -386,6 +386,70 @@ static void what_cubic_cannot_do_is_refused_with_a_sentence(void **state)
     finish(&s);
 }
 
+static const vvi_raycast_params *params_at(const vv_scene *scene, size_t i)
+{
+    return (const vvi_raycast_params *)(const void *)vv_actor_params(scene, &scene->actors[i]);
+}
+
+static void what_a_volume_says_of_rays_takes_the_place_of_the_view(void **state)
+{
+    (void)state;
+    setup s;
+    begin(&s, some_colors(VV_MEANING_SCALAR));
+    set(&s, "volumes.b", "{\"data\": \"a\"}");
+    set(&s, "views.main.render.raycast", "{\"mode\": \"mean\", \"iso\": 20, \"threshold\": 30, \"step\": 0.5}");
+    for (int again = 0; again < 2; again++) {
+        vv_scene *scene = resolve(&s, again);
+        for (size_t i = 0; i < 2; i++) {
+            assert_int_equal(params_at(scene, i)->mode, VV_RAY_MEAN);
+            assert_true(params_at(scene, i)->step == 0.5 && params_at(scene, i)->threshold == 30);
+        }
+        vv_scene_release(scene);
+    }
+    set(&s, "volumes.b.rays", "{\"mode\": \"mip\", \"iso\": 40, \"threshold\": 50, \"step\": 0.25}");
+    vv_scene *scene = resolve(&s, true);
+    const vvi_raycast_params *a = params_at(scene, 0), *b = params_at(scene, 1);
+    assert_true(a->mode == VV_RAY_MEAN && a->iso == 20 && a->threshold == 30 && a->step == 0.5);
+    assert_true(b->mode == VV_RAY_MAXIMUM && b->iso == 40 && b->threshold == 50 && b->step == 0.25);
+    assert_true(((const vvi_raycast_params *)(const void *)scene->params)->mode == VV_RAY_MEAN);
+    vv_scene_release(scene);
+    finish(&s);
+}
+
+/* The maximum of one over the cloud of the other: who is a layer, who has the opacity that somebody gave. */
+static void layers_follow_from_colours_and_opacities_that_are_set(void **state)
+{
+    (void)state;
+    setup s;
+    begin(&s, some_colors(VV_MEANING_SCALAR));
+    set(&s, "volumes.b", "{\"data\": \"a\", \"rays\": {\"mode\": \"maximum\", \"opacity\": 0.5}}");
+    vv_scene *scene = resolve(&s, false);
+    const vv_classification *k = &scene->actors[1].classes;
+    assert_true(scene->actors[1].layer.blend == VV_SLICE_OVER && scene->actors[1].layer.opacity == 0.5);
+    assert_int_equal(k->n_opacity, 2);
+    assert_true(k->opacity[0] == k->color[0] && k->opacity[1] == 0);
+    assert_true(k->opacity[2] == k->color[4 * (k->n_color - 1)] && k->opacity[3] == 1);
+    vv_scene_release(scene);
+    set(&s, "volumes.b.rays.mode", "minimum");
+    scene = resolve(&s, true);
+    k = &scene->actors[1].classes;
+    assert_true(k->n_opacity == 2 && k->opacity[1] == 1 && k->opacity[3] == 0);
+    vv_scene_release(scene);
+    set(&s, "volumes.b.segmentation.transfer.colormap", "#00ff00");
+    scene = resolve(&s, true);
+    k = &scene->actors[1].classes;
+    assert_true(scene->actors[1].layer.blend == VV_SLICE_ADD);
+    assert_true(k->n_opacity == 1 && k->opacity[1] == 1);
+    vv_scene_release(scene);
+    set(&s, "volumes.b.rays.blend", "over");
+    set(&s, "volumes.b.segmentation.transfer.opacity", "[[0, 0], [100, 0.5]]");
+    scene = resolve(&s, true);
+    k = &scene->actors[1].classes;
+    assert_true(scene->actors[1].layer.blend == VV_SLICE_OVER && k->opacity[2] == 100 && k->opacity[3] == 0.5);
+    vv_scene_release(scene);
+    finish(&s);
+}
+
 static void regions_and_paint_reach_the_renderer(void **state)
 {
     (void)state;
@@ -462,6 +526,8 @@ int main(void)
         cmocka_unit_test(a_ball_of_a_label_is_round_and_its_light_smooth),
         cmocka_unit_test(data_of_colours_show_them_unless_a_component_is_named),
         cmocka_unit_test(what_cubic_cannot_do_is_refused_with_a_sentence),
+        cmocka_unit_test(what_a_volume_says_of_rays_takes_the_place_of_the_view),
+        cmocka_unit_test(layers_follow_from_colours_and_opacities_that_are_set),
         cmocka_unit_test(regions_and_paint_reach_the_renderer),
         cmocka_unit_test(any_frame_without_memory_is_an_error_and_leaves_nothing),
     };

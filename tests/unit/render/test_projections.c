@@ -1,6 +1,7 @@
 /* The modes that show one value of each ray, and samples that lie elsewhere in each ray's steps, against closed forms.
  */
 #include "fields.h"
+#include "grid/field.h"
 #include "ray_scene.h"
 #include <math.h>
 #include <setjmp.h>
@@ -208,6 +209,80 @@ static void jitter_moves_samples_and_no_light(void **state)
     vv_field_release(field);
 }
 
+static uint64_t count_samples(const test_ray_scene *s)
+{
+    void *state = NULL;
+    vv_image *image = NULL;
+    vv_render_counts counts = {0};
+    const vv_pass pass = {.x = 0.5, .y = 0.5, .stride = 1};
+    assert_int_equal(vvi_raycast_prepare(&state, &s->scene, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, 64, 64, VV_LAYER_DEPTH, NULL), VV_OK);
+    assert_int_equal(s->scene.renderer->render(state, &pass, &(vv_tile){0, 0, 64, 64}, image, &counts, NULL), VV_OK);
+    vv_image_release(image);
+    vvi_raycast_finish(state);
+    return counts.samples;
+}
+
+/* Random values in two corners of a box of one value, or of none. */
+static vv_field *corners_of_a_box(vv_type type, bool hollow, uint64_t seed)
+{
+    enum { N = 45 };
+    static double values[N * N * N];
+    vv_field_info info = vv_field_info_default();
+    vv_field *field;
+    void *data;
+    info.type = type;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    for (int i = 0; i < N * N * N; i++) {
+        const int x = i % N, y = i / N % N, z = i / N / N;
+        const bool inside = (x < 9 && y < 12 && z < 10) || (x > 35 && y > 33 && z > 30);
+        values[i] = inside ? (double)(test_random(seed, (uint64_t)i) % 250) : hollow ? NAN : 40;
+    }
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    vvi_samples_from_f64(data, values, type, N * N * N);
+    return field;
+}
+
+/* Means and sums through blocks of one value, or of none, are those of all samples. */
+static void blocks_of_one_value_are_taken_at_once(void **state)
+{
+    static const vv_type types[] = {VV_TYPE_U8,  VV_TYPE_I8,  VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_U32,
+                                    VV_TYPE_I32, VV_TYPE_F32, VV_TYPE_F64, VV_TYPE_F32};
+    (void)state;
+    for (size_t t = 0; t < sizeof types / sizeof *types; t++)
+        for (int kind = 0; kind < 4; kind++) {
+            const bool hollow = t + 1 == sizeof types / sizeof *types;
+            test_ray_scene s;
+            vv_field *field = corners_of_a_box(types[t], hollow, test_random(test_seed(), t));
+            test_ray_scene_init(&s, field, 70);
+            grey(&s, 0, 120);
+            s.actor.nearest = kind / 2;
+            test_ray_scene_look(&s, (vv_vec3){70, -50, 60}, (vv_vec3){22, 22, 22}, kind == 1 ? 0.7 : 0, 70);
+            set(&s, "mode", kind % 2 ? "mean" : "sum");
+            set(&s, "step", "0.37");
+            double *want = test_ray_reference(&s);
+            for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+                vv_image *image = test_ray_picture(&s, *cpu, 1);
+                int bad = 0;
+                for (int i = 0; i < 64 * 64; i++)
+                    bad += !(fabs((double)image->rgba[4 * i] - want[5 * i]) < 1e-3) ||
+                           fabs((double)image->rgba[4 * i + 3] - want[5 * i + 3]) > 0;
+                if (bad > 64) /* at borders of nearest samples */
+                    fail_msg("%s of %s, %d: %d pixels differ", *cpu, vv_type_name(types[t]), kind, bad);
+                vv_image_release(image);
+            }
+            const uint64_t few = count_samples(&s);
+            set(&s, "skipping", "false");
+            const uint64_t all = count_samples(&s);
+            if (few > all / 4)
+                fail_msg("%s, %d: %llu samples of %llu", vv_type_name(types[t]), kind, (unsigned long long)few,
+                         (unsigned long long)all);
+            free(want);
+            test_ray_scene_finish(&s);
+            vv_field_release(field);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -215,6 +290,7 @@ int main(void)
         cmocka_unit_test(each_mode_finds_its_value_of_a_profile),
         cmocka_unit_test(the_local_maximum_is_the_first_above_the_threshold),
         cmocka_unit_test(a_negative_scale_turns_extrema_round),
+        cmocka_unit_test(blocks_of_one_value_are_taken_at_once),
         cmocka_unit_test(jitter_moves_samples_and_no_light),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

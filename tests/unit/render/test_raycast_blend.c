@@ -832,10 +832,6 @@ static void what_cannot_be_shown_together_is_refused(void **state)
     add_box(&t, 0, 1, 1, blue);
     test_ray_scene *s = all_of(&t);
     assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_OK);
-    set(s, "mode", "maximum");
-    assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_E_UNSUPPORTED);
-    assert_non_null(strstr(vv_error_last()->message, "this mode shows one volume"));
-    set(s, "mode", "composite");
     vv_actor many[VVI_BLEND_VOLUMES + 1];
     for (size_t i = 0; i <= VVI_BLEND_VOLUMES; i++)
         many[i] = t.actors[0];

@@ -44,13 +44,13 @@ static vv_field *random_field(vv_type type, const int64_t dims[3], uint64_t seed
     return field;
 }
 
-static const char *const modes[] = {[VVI_RAYCAST_COMPOSITE] = "composite",
-                                    [VVI_RAYCAST_MAXIMUM] = "maximum",
-                                    [VVI_RAYCAST_MINIMUM] = "minimum",
-                                    [VVI_RAYCAST_MEAN] = "mean",
-                                    [VVI_RAYCAST_SUM] = "sum",
-                                    [VVI_RAYCAST_LOCAL_MAXIMUM] = "local-maximum",
-                                    [VVI_RAYCAST_ISOSURFACE] = "isosurface"};
+static const char *const modes[] = {[VV_RAY_COMPOSITE] = "composite",
+                                    [VV_RAY_MAXIMUM] = "maximum",
+                                    [VV_RAY_MINIMUM] = "minimum",
+                                    [VV_RAY_MEAN] = "mean",
+                                    [VV_RAY_SUM] = "sum",
+                                    [VV_RAY_LOCAL_MAXIMUM] = "local-maximum",
+                                    [VV_RAY_ISOSURFACE] = "isosurface"};
 enum { MODES = sizeof modes / sizeof *modes };
 
 /* A scene of the field seen from an oblique direction, with a transfer function of ramps and jumps. */
@@ -172,7 +172,7 @@ static void skipping_changes_no_byte(void **state)
                 set(&s, "skipping", "false");
                 vv_image *without = test_ray_picture(&s, *cpu, 1);
                 const size_t n = 32 * 32;
-                if (mode != VVI_RAYCAST_ISOSURFACE) {
+                if (mode != VV_RAY_ISOSURFACE) {
                     assert_memory_equal(with->rgba, without->rgba, n * 4 * sizeof(float));
                     assert_memory_equal(with->depth, without->depth, n * sizeof(float));
                 }
@@ -411,7 +411,7 @@ static void values_of_any_size_make_the_same_picture(void **state)
     } cases[] = {{VV_TYPE_F64, 1, 0},       {VV_TYPE_F32, 1e20, 0},   {VV_TYPE_F32, 1e30, 0},  {VV_TYPE_F32, 1e-20, 0},
                  {VV_TYPE_F32, 1e-30, 0},   {VV_TYPE_F64, 1e-200, 0}, {VV_TYPE_F64, 1e200, 0}, {VV_TYPE_F64, 1, 1e9},
                  {VV_TYPE_I32, 1e5, 1.9e9}, {VV_TYPE_F64, -1, 0}};
-    for (int mode = 0; mode < MODES; mode += VVI_RAYCAST_ISOSURFACE) {
+    for (int mode = 0; mode < MODES; mode += VV_RAY_ISOSURFACE) {
         vv_image *first = NULL;
         for (size_t i = 0; i < sizeof cases / sizeof *cases - (mode ? 1 : 0); i++) {
             const double a = cases[i].scale, b = cases[i].offset;
