@@ -29,7 +29,7 @@ VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_ho
 {
     const vvi_march_volume *f = p->f;
     const vf value = part_value(f, sampler, packet_point(&p->r, k), m);
-    if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_WIDE)
+    if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_ANY)
         m = vm_and(m, is_number(value));
     out->k = k;
     out->m = m;

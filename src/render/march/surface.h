@@ -213,7 +213,8 @@ VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const pack
                                     int type, const surface_side *side, vf s_out, vm run)
 {
     const vvi_lattice *g = &f->sampler.lattice;
-    const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
+    const sample_place at = find_place(g, type, w->cell[0], w->cell[1], w->cell[2], run);
+    const vf v = load_one(g, type, at.x, at.y, at.z, run);
     const vm in = vm_and(run, vm_and(vf_le(vf_set1(f->solid.lo), v), vf_le(v, vf_set1(f->solid.hi))));
     st->s = vf_select(in, w->s, st->s);
     st->sample.x = vf_select(in, vf_from_vi(w->cell[0]), st->sample.x);

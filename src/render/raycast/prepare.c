@@ -10,6 +10,7 @@
 #include "scene/resolve.h"
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* What a picture that moves is made of: as many as a few milliseconds pass over. */
 #define DRAFT_SAMPLES (INT64_C(1) << 25)
@@ -226,6 +227,24 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
     return VV_OK;
 }
 
+/* Bricks that kernels bring. */
+static void list_bricks(vvi_raycast_state *s)
+{
+    for (size_t i = 0; i < s->n_volumes; i++) {
+        const vvi_raycast_volume *v = &s->volume[i];
+        if (v->hold.lattice.fetch != VVI_FETCH_BRICKS)
+            continue;
+        vvi_bricks *bricks = vvi_cached_value(v->hold.cached);
+        size_t at = s->n_bricks;
+        while (at > 0 && (uintptr_t)s->bricks[at - 1] > (uintptr_t)bricks)
+            at--;
+        if (at > 0 && s->bricks[at - 1] == bricks)
+            continue;
+        memmove(&s->bricks[at + 1], &s->bricks[at], (s->n_bricks++ - at) * sizeof *s->bricks);
+        s->bricks[at] = bricks;
+    }
+}
+
 vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *job)
 {
     *state_out = NULL;
@@ -248,6 +267,7 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
         return st;
     }
     choose_clouds(s);
+    list_bricks(s);
     *state_out = s;
     return VV_OK;
 }

@@ -220,6 +220,27 @@ static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye
         store_meshes(t, &rays, &front, &opaque);
 }
 
+/* Where samples are brought when rays ask for them, and some did not fit, all is done again, with all of the room. */
+static vv_status draw_bringing(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece,
+                               vv_job *job)
+{
+    const uint64_t samples = t->counts->samples;
+    bool lacking = true;
+    vv_status st = VV_OK;
+    for (int alone = 0; alone < 2 && lacking && st == VV_OK; alone++) {
+        t->counts->samples = samples;
+        vvi_bricks_enter(s->bricks, s->n_bricks, alone, job);
+        draw(s, t, eye, piece);
+        st = vvi_bricks_leave(&lacking, s->bricks, s->n_bricks);
+    }
+    if (st == VV_OK && lacking)
+        return vv_fail(VV_E_LIMIT,
+                       "the parts of the data that %d x %d pixels show do not fit in memory together; raise "
+                       "the limit (--memory), or reduce the data",
+                       piece->x1 - piece->x0, piece->y1 - piece->y0);
+    return st;
+}
+
 static uint64_t pixels(const vv_tile *tile)
 {
     return (uint64_t)(tile->x1 - tile->x0) * (uint64_t)(tile->y1 - tile->y0);
@@ -264,10 +285,13 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
         for (int32_t x = tile->x0; x < tile->x1; x += size) {
             const vv_tile piece = {x, y, x + size < tile->x1 ? x + size : tile->x1,
                                    y + size < tile->y1 ? y + size : tile->y1};
-            const vv_status st = vvi_job_poll(job);
+            vv_status st = vvi_job_poll(job);
             if (st != VV_OK)
                 return st;
-            draw(s, &t, &eye, &piece);
+            if (s->n_bricks && (st = draw_bringing(s, &t, &eye, &piece, job)) != VV_OK)
+                return st;
+            if (!s->n_bricks)
+                draw(s, &t, &eye, &piece);
         }
     return VV_OK;
 }
