@@ -10,7 +10,6 @@
 #include "scene/resolve.h"
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* What a picture that moves is made of: as many as a few milliseconds pass over. */
 #define DRAFT_SAMPLES (INT64_C(1) << 25)
@@ -235,12 +234,13 @@ static void list_bricks(vvi_raycast_state *s)
         if (v->hold.lattice.fetch != VVI_FETCH_BRICKS)
             continue;
         vvi_bricks *bricks = vvi_cached_value(v->hold.cached);
-        size_t at = s->n_bricks;
-        while (at > 0 && (uintptr_t)s->bricks[at - 1] > (uintptr_t)bricks)
-            at--;
-        if (at > 0 && s->bricks[at - 1] == bricks)
+        size_t at = 0;
+        while (at < s->n_bricks && (uintptr_t)s->bricks[at] < (uintptr_t)bricks)
+            at++;
+        if (at < s->n_bricks && s->bricks[at] == bricks)
             continue;
-        memmove(&s->bricks[at + 1], &s->bricks[at], (s->n_bricks++ - at) * sizeof *s->bricks);
+        for (size_t k = s->n_bricks++; k > at; k--)
+            s->bricks[k] = s->bricks[k - 1];
         s->bricks[at] = bricks;
     }
 }
