@@ -7,7 +7,7 @@
  */
 #ifndef VVI_RENDER_MARCH_BLEND_H
 #define VVI_RENDER_MARCH_BLEND_H
-#include "render/march/color.h"
+#include "render/march/hits.h"
 
 /* Parts of a step below this are rounding. */
 #define LEAST_PART 1e-6f
@@ -18,6 +18,7 @@ typedef struct composite_state {
     size_t n;
     vf rgb[3], transmittance;
     vf depth; /* step at which half of the light was gone; -1: not yet */
+    vi most;  /* several volumes: the number of the part that took most of it there */
     uint64_t samples;
     float opaque;
     double t0[VV_WIDTH]; /* several volumes: world distance of step 0 */
@@ -203,6 +204,21 @@ VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
     }
 }
 
+/* The part with most opacity in a step. */
+VV_INLINE vi densest_part(const blend_sample *t, const vm *some, size_t n)
+{
+    vf most = vf_set1(0.0f);
+    vi part = vi_set1(0);
+    for (size_t i = 0; i < n; i++) {
+        if (!vm_any(some[i]))
+            continue;
+        const vm more = vm_and(some[i], vf_lt(most, t->found[i].depth));
+        most = vf_select(more, t->found[i].depth, most);
+        part = vi_select(more, vi_set1((int32_t)i), part);
+    }
+    return part;
+}
+
 /** What lanes of run see of them. */
 VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run)
 {
@@ -229,8 +245,11 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
         if (vm_any(some[i]))
             part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
     s->transmittance = vf_max(s->transmittance - weight * sum, zero);
-    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, seen), (from + to) * vf_set1(0.5f), s->depth);
+    const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
+    if (vm_any(halved)) {
+        s->depth = vf_select(halved, (from + to) * vf_set1(0.5f), s->depth);
+        s->most = vi_select(halved, densest_part(t, some, n), s->most);
+    }
 }
 
 /** The light that came later. */
@@ -245,8 +264,23 @@ VV_INLINE void blend_finish(composite_state *s)
     }
 }
 
+/* Of each volume the lanes in which it took most. */
+VV_INLINE void blend_hits(vvi_sink *out, const composite_state *s, size_t at)
+{
+    const vm hit = vf_le(vf_set1(0.0f), s->depth);
+    hits_begin(out, at);
+    for (size_t i = 0; i < s->n; i++) {
+        const march_part *p = &s->part[i];
+        const vf k = vf_max(s->depth - p->first, vf_set1(0.0f));
+        const vf3 point = packet_point(&p->r, k);
+        find_hits(out, &p->r, p->f, at, &k, &point, vm_and(hit, vi_eq(s->most, vi_set1((int32_t)i))));
+    }
+}
+
 VV_INLINE void blend_store(vvi_sink *out, const composite_state *s, const vvi_blend_setup *f, size_t at)
 {
+    if (out->hits)
+        blend_hits(out, s, at);
     float depth[VV_WIDTH];
     for (int i = 0; i < 3; i++)
         vf_store(out->rgb[i] + at, s->rgb[i]);

@@ -206,6 +206,7 @@ VV_INLINE void composite_begin(composite_state *s, march_part *part, size_t n, f
     s->transmittance = vf_set1(1.0f);
     s->opaque = opaque;
     s->depth = vf_set1(-1.0f);
+    s->most = vi_set1(0);
     s->samples = 0;
 }
 
@@ -227,6 +228,7 @@ VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vv
             color(&part.queue, &part);
         counts->samples += s.samples;
         packet_store(out, &part.r, f, at, how == HOW_LIT ? part.queue.rgb : s.rgb, s.transmittance, s.depth);
+        store_hits(out, &part.r, f, at, s.depth);
     }
 }
 

@@ -6,7 +6,7 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_H
 #define VVI_RENDER_MARCH_SURFACE_H
-#include "render/march/entry.h"
+#include "render/march/hits.h"
 #include "render/march/paint_simd.h"
 #include "render/march/shade_simd.h"
 #include "render/march/texture_simd.h"
@@ -323,6 +323,11 @@ VV_INLINE void surface_store(vvi_sink *out, const packet *r, const vvi_march_vol
         rgb[i] = vf_select(st->hit, rgb[i], zero);
     packet_store(out, r, f, at, rgb, vf_select(st->hit, zero, vf_set1(1.0f)),
                  vf_select(st->hit, st->s, vf_set1(-1.0f)));
+    if (!out->hits)
+        return;
+    const vf3 p = packet_point(r, st->s), met = f->sampler.nearest ? vf3_select(st->flat, p, st->sample) : p;
+    hits_begin(out, at);
+    find_hits(out, r, f, at, &st->s, &met, st->hit);
 }
 
 VV_INLINE void surface_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,

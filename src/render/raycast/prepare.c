@@ -209,6 +209,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
     const vvi_raycast_params *p = params_of(scene);
     const vvi_ray_kernels *k = s->kernels;
     for (size_t i = 0; i < scene->n_actors; i++) {
+        s->volume[i].ray.number = (int32_t)i;
         const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
         if (st != VV_OK)
             return st;

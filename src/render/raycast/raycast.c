@@ -3,6 +3,7 @@
 #include "config.h"
 #include "core/job.h"
 #include "registry.h"
+#include "scene/label_ids.h"
 #include <math.h>
 #include <string.h>
 
@@ -73,10 +74,24 @@ typedef struct target {
     vv_render_counts *counts;
 } target;
 
+/* NULL: they are not asked for. */
+static void copy_hit(vvi_hits *to, const vvi_hits *from, size_t i)
+{
+    if (!to)
+        return;
+    to->volume[i] = from->volume[i];
+    to->value[i] = from->value[i];
+    for (int a = 0; a < 3; a++) {
+        to->gradient[a][i] = from->gradient[a][i];
+        to->normal[a][i] = from->normal[a][i];
+    }
+}
+
 /* The nearest surface of a volume along each ray, where the ray then ends. */
 static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
 {
-    vvi_sink other;
+    vvi_hits hits;
+    vvi_sink other = {.hits = near->hits ? &hits : NULL};
     bool first = true;
     for (size_t v = 0; v < s->n_volumes; v++) {
         if (!s->volume[v].solid || !s->volume[v].visible)
@@ -85,6 +100,7 @@ static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_stat
         s->volume[v].kernel(found, &s->volume[v].ray, rays, counts);
         for (size_t i = 0; i < rays->n; i++) {
             if (!first && other.depth[i] < near->depth[i]) {
+                copy_hit(near->hits, other.hits, i);
                 near->depth[i] = other.depth[i];
                 near->through[i] = other.through[i];
                 for (int c = 0; c < 3; c++)
@@ -102,6 +118,8 @@ static void clear(vvi_sink *sink, size_t n)
     for (size_t i = 0; i < n; i++) {
         sink->through[i] = 1;
         sink->depth[i] = INFINITY;
+        if (sink->hits)
+            sink->hits->volume[i] = -1;
     }
 }
 
@@ -116,8 +134,11 @@ static void find_opaque(vvi_mesh_sink *out, vvi_rays *rays, const vvi_raycast_st
     if (!s->meshes.n)
         return;
     vvi_ray_meshes_opaque(out, &s->meshes, rays);
-    for (size_t i = 0; i < rays->n; i++)
+    for (size_t i = 0; i < rays->n; i++) {
         rays->far[i] = (double)out->sink.depth[i];
+        if (out->sink.hits && out->id[i])
+            out->sink.hits->volume[i] = -1;
+    }
 }
 
 static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
@@ -126,7 +147,10 @@ static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
         for (int c = 0; c < 3; c++)
             front->rgb[c][i] += front->through[i] * behind->rgb[c][i];
         front->through[i] *= behind->through[i];
-        front->depth[i] = isfinite(front->depth[i]) ? front->depth[i] : behind->depth[i];
+        if (isfinite(front->depth[i]))
+            continue;
+        front->depth[i] = behind->depth[i];
+        copy_hit(front->hits, behind->hits, i);
     }
 }
 
@@ -149,7 +173,8 @@ static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_ray
 static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *rays, vv_render_counts *counts)
 {
     vvi_mesh_sink layer;
-    vvi_sink clouds;
+    vvi_hits hits;
+    vvi_sink clouds = {.hits = out->hits ? &hits : NULL};
     double end[VVI_RAY_BATCH] = {0};
     memcpy(end, rays->far, rays->n * sizeof *end);
     clear(out, rays->n);
@@ -185,6 +210,34 @@ static void store(const target *t, const vvi_rays *rays, const vvi_sink *sink)
     }
 }
 
+/* The data's value, as a label's number stands for the label. */
+static float hit_value(const vvi_raycast_volume *v, float stored)
+{
+    if (v->ids) {
+        const vvi_label_ids *ids = vvi_cached_value(v->ids);
+        const size_t number = stored < 0 ? 0 : (size_t)stored;
+        const vv_label_id id = number < ids->n ? ids->id[number] : 0;
+        return ids->is_unsigned ? (float)(uint64_t)id : (float)id;
+    }
+    return (float)((double)stored * v->hold.value_scale + v->hold.value_offset);
+}
+
+/* Layers of the pixels in which a volume is what is seen. */
+static void store_hits(const target *t, const vvi_raycast_state *s, const vvi_rays *rays, const vvi_hits *hits)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        if (rays->pixel[i] < 0 || hits->volume[i] < 0)
+            continue;
+        const size_t at = (size_t)rays->pixel[i];
+        if (t->image->id)
+            t->image->id[at] = (uint32_t)hits->volume[i] + 1;
+        if (t->image->value)
+            t->image->value[at] = hit_value(&s->volume[hits->volume[i]], hits->value[i]);
+        for (size_t c = 0; c < 3 && t->image->normal; c++)
+            t->image->normal[3 * at + c] = hits->normal[c][i];
+    }
+}
+
 /* Layers of the pixels in which a mesh is what is seen. */
 static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *front, const vvi_mesh_sink *opaque)
 {
@@ -203,9 +256,13 @@ static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *
 static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece)
 {
     const bool any_opaque = s->n_surfaces || s->meshes.n;
+    const bool layers = t->image->id || t->image->normal || t->image->value;
+    vvi_hits front_hits, opaque_hits;
     vvi_rays rays;
     vvi_mesh_sink opaque;
     vvi_sink front;
+    opaque.sink.hits = layers ? &opaque_hits : NULL;
+    front.hits = layers ? &front_hits : NULL;
     s->kernels->eye(&rays, eye, piece);
     if (any_opaque)
         find_opaque(&opaque, &rays, s, t->counts);
@@ -216,7 +273,9 @@ static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye
     if (any_opaque)
         put_behind(&front, &opaque.sink, rays.n);
     store(t, &rays, &front);
-    if (any_opaque && s->meshes.n && (t->image->id || t->image->normal))
+    if (layers)
+        store_hits(t, s, &rays, &front_hits);
+    if (layers && s->meshes.n)
         store_meshes(t, &rays, &front, &opaque);
 }
 
@@ -316,6 +375,7 @@ const vv_renderer vvi_renderer_raycast = {
     .params = &vvi_raycast_class,
     .takes = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
     .best_for = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
+    .can = VV_CAN_LAYERS,
     .accepts = accepts,
     .prepare = vvi_raycast_prepare,
     .render = render,
