@@ -154,6 +154,11 @@ vvi_sample_store *vvi_field_store(const vv_field *field)
     return field->store;
 }
 
+bool vvi_field_is_lazy(const vv_field *field)
+{
+    return field->store->cls->lazy;
+}
+
 bool vvi_field_is_damaged(const vv_field *field)
 {
     const vvi_sample_store *store = field->store;

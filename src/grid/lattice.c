@@ -13,7 +13,7 @@ enum { NEEDED_GUARD = 8, CHUNK = 1024 };
 #define LEAST_RANGE 0x1p-64 /* the rows of a transfer function within it are counted in floats */
 #define MOST_FLOAT 0x1p104  /* the sum along the longest ray is a float */
 
-static int sample_type(vv_type type)
+int vvi_lattice_type(vv_type type)
 {
     switch (type) {
     case VV_TYPE_U8:
@@ -32,13 +32,13 @@ static int sample_type(vv_type type)
 /* What one component becomes when it cannot be sampled where it lies. Scale and offset stay with the field's info. */
 static vv_type converted_type(vv_type type)
 {
-    return type == VV_TYPE_I8 ? VV_TYPE_I16 : sample_type(type) < 0 ? VV_TYPE_F32 : type;
+    return type == VV_TYPE_I8 ? VV_TYPE_I16 : vvi_lattice_type(type) < 0 ? VV_TYPE_F32 : type;
 }
 
 static bool usable_as_it_is(const vv_brick *b)
 {
     const int64_t bytes = (int64_t)vv_type_bytes(b->type);
-    return sample_type(b->type) >= 0 && b->components == 1 && b->stride[0] == bytes &&
+    return vvi_lattice_type(b->type) >= 0 && b->components == 1 && b->stride[0] == bytes &&
            b->stride[1] == bytes * b->box.n[0] && b->stride[2] == b->stride[1] * b->box.n[1] &&
            b->guard_bytes >= NEEDED_GUARD;
 }
@@ -50,46 +50,52 @@ double vvi_lattice_zero(const vv_field_info *info, const vv_statistics *s)
     return fmin(fmax(s->min, 0), s->max);
 }
 
+static void read_samples(double *out, const char *in, vv_type type, int64_t stride, size_t n)
+{
+    if (stride == (int64_t)vv_type_bytes(type)) {
+        vvi_samples_to_f64(out, in, type, n);
+        return;
+    }
+    for (size_t i = 0; i < n; i++)
+        vvi_samples_to_f64(&out[i], in + (int64_t)i * stride, type, 1);
+}
+
+void vvi_lattice_convert_row(void *out, const vvi_lattice_numbers *numbers, const void *in, int64_t stride, size_t n)
+{
+    const size_t in_bytes = vv_type_bytes(numbers->from), out_bytes = vv_type_bytes(numbers->to);
+    const char *from = (const char *)in + (size_t)numbers->component * in_bytes;
+    double chunk[CHUNK];
+    if (numbers->from == numbers->to && numbers->factor == 1 && numbers->shift == 0 && stride == (int64_t)in_bytes) {
+        memcpy(out, from, n * out_bytes);
+        return;
+    }
+    for (size_t i = 0; i < n; i += CHUNK) {
+        const size_t here = n - i < CHUNK ? n - i : CHUNK;
+        read_samples(chunk, from + (int64_t)i * stride, numbers->from, stride, here);
+        for (size_t l = 0; l < here; l++)
+            chunk[l] = chunk[l] * numbers->factor + numbers->shift;
+        vvi_samples_from_f64((char *)out + i * out_bytes, chunk, numbers->to, here);
+    }
+}
+
 typedef struct conversion {
     const vv_field *field;
     const vv_brick *from;
     char *to;
-    vv_type type;
-    int component;
-    double factor, shift; /* lattice number = stored * factor + shift */
+    vvi_lattice_numbers numbers;
 } conversion;
-
-static void read_samples(double *out, const char *in, const vv_brick *b, size_t n)
-{
-    if (b->stride[0] == (int64_t)vv_type_bytes(b->type)) {
-        vvi_samples_to_f64(out, in, b->type, n);
-        return;
-    }
-    for (size_t i = 0; i < n; i++)
-        vvi_samples_to_f64(&out[i], in + (int64_t)i * b->stride[0], b->type, 1);
-}
 
 /* Item: one slice. */
 static vv_status convert_slice(void *scratch, void *shared, size_t k)
 {
     const conversion *c = shared;
     const vv_brick *b = c->from;
-    const size_t in_bytes = vv_type_bytes(b->type), out_bytes = vv_type_bytes(c->type);
-    const size_t row = (size_t)b->box.n[0];
-    double chunk[CHUNK];
+    const size_t row = (size_t)b->box.n[0], row_bytes = row * vv_type_bytes(c->numbers.to);
     (void)scratch;
-    for (int64_t j = 0; j < b->box.n[1]; j++) {
-        const char *in = (const char *)b->data + (int64_t)k * b->stride[2] + j * b->stride[1];
-        char *out = c->to + (k * (size_t)b->box.n[1] + (size_t)j) * row * out_bytes;
-        in += (size_t)c->component * in_bytes;
-        for (size_t i = 0; i < row; i += CHUNK) {
-            const size_t n = row - i < CHUNK ? row - i : CHUNK;
-            read_samples(chunk, in + (int64_t)i * b->stride[0], b, n);
-            for (size_t l = 0; l < n; l++)
-                chunk[l] = chunk[l] * c->factor + c->shift;
-            vvi_samples_from_f64(out + i * out_bytes, chunk, c->type, n);
-        }
-    }
+    for (int64_t j = 0; j < b->box.n[1]; j++)
+        vvi_lattice_convert_row(c->to + (k * (size_t)b->box.n[1] + (size_t)j) * row_bytes, &c->numbers,
+                                (const char *)b->data + (int64_t)k * b->stride[2] + j * b->stride[1], b->stride[0],
+                                row);
     return VV_OK;
 }
 
@@ -97,7 +103,7 @@ static vv_status make_converted(void **value_out, uint64_t *bytes_out, void *use
 {
     conversion *c = user;
     vv_field_info info = *vv_field_get_info(c->field);
-    info.type = c->type;
+    info.type = c->numbers.to;
     info.components = 1;
     if (info.meaning != VV_MEANING_LABEL || vv_type_is_float(info.type)) /* of wide types their values go there */
         info.meaning = VV_MEANING_SCALAR;
@@ -136,13 +142,14 @@ static double unit_of_floats(const vv_field_info *info, const vv_statistics *s)
 }
 
 /* Where floats go: those of wide types over the range of all. */
-static vv_status find_unit(conversion *c, vvi_lattice_hold *h, vv_job *job)
+static vv_status find_unit(vvi_lattice_hold *h, vv_job *job)
 {
-    const vv_field_info *info = vv_field_get_info(c->field);
+    const vv_field_info *info = vv_field_get_info(h->field);
+    vvi_lattice_numbers *c = &h->numbers;
     vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    const vv_status st = vv_field_statistics(s, c->field, c->component, job);
+    const vv_status st = vv_field_statistics(s, h->field, c->component, job);
     const double range = st == VV_OK && s->max > s->min ? fmin(s->max - s->min, DBL_MAX) : 1;
     if (st == VV_OK && info->type == VV_TYPE_F32) {
         const double unit = s->count ? unit_of_floats(info, s) : 1;
@@ -158,18 +165,28 @@ static vv_status find_unit(conversion *c, vvi_lattice_hold *h, vv_job *job)
     return st;
 }
 
-static vv_status open_usable(vvi_lattice_hold *h, const vv_field *field, int component, vv_job *job)
+vv_status vvi_lattice_hold_begin(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job)
 {
-    conversion c = {.field = field, .from = &h->brick, .component = component, .factor = 1};
-    c.type = converted_type(h->brick.type);
-    if (c.type == VV_TYPE_F32) {
-        const vv_status found = find_unit(&c, h, job);
-        if (found != VV_OK)
-            return found;
-    }
-    if (usable_as_it_is(&h->brick) && c.factor == 1)
+    const vv_field_info *info = vv_field_get_info(field);
+    *out = (vvi_lattice_hold){
+        .field = vv_field_retain(field),
+        .numbers = {.from = info->type, .to = converted_type(info->type), .component = component, .factor = 1},
+        .value_scale = info->value_scale,
+        .value_offset = info->value_offset};
+    for (int a = 0; a < 3; a++)
+        if (info->grid.dims[a] > 1 << 23) /* positions along a ray are floats */
+            return vv_fail(VV_E_UNSUPPORTED,
+                           "axis %c has %lld samples; ray casting takes at most %d, so crop or resample", "xyz"[a],
+                           (long long)info -> grid.dims[a], 1 << 23);
+    return out->numbers.to == VV_TYPE_F32 ? find_unit(out, job) : VV_OK;
+}
+
+static vv_status open_usable(vvi_lattice_hold *h, vv_job *job)
+{
+    conversion c = {.field = h->field, .from = &h->brick, .numbers = h->numbers};
+    if (usable_as_it_is(&h->brick) && h->numbers.factor == 1)
         return VV_OK;
-    const vvi_cache_key key = {"lattice", vv_field_identity(field), (uint64_t)component};
+    const vvi_cache_key key = {"lattice", vv_field_identity(h->field), (uint64_t)h->numbers.component};
     vv_status st = vvi_cache_get(&h->cached, &key, make_converted, drop_field, &c, job);
     if (st != VV_OK)
         return st;
@@ -182,32 +199,24 @@ static vv_status open_usable(vvi_lattice_hold *h, const vv_field *field, int com
 
 vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job)
 {
-    const vv_field_info *info = vv_field_get_info(field);
-    *out = (vvi_lattice_hold){
-        .field = vv_field_retain(field), .value_scale = info->value_scale, .value_offset = info->value_offset};
     const vv_box box = vv_field_box(field);
-    for (int a = 0; a < 3; a++)
-        if (box.n[a] > 1 << 23) { /* positions along a ray are floats */
-            vvi_lattice_close(out);
-            return vv_fail(VV_E_UNSUPPORTED,
-                           "axis %c has %lld samples; ray casting takes at most %d, so crop or resample", "xyz"[a],
-                           (long long)box.n[a], 1 << 23);
-        }
-    vv_status st = vv_field_brick(&out->brick, field, &box, job);
+    vv_status st = vvi_lattice_hold_begin(out, field, component, job);
     if (st == VV_OK)
-        st = open_usable(out, field, component, job);
+        st = vv_field_brick(&out->brick, field, &box, job);
+    if (st == VV_OK)
+        st = open_usable(out, job);
     if (st != VV_OK) {
         vvi_lattice_close(out);
         return st;
     }
     vvi_lattice *g = &out->lattice;
     g->data = out->brick.data;
-    g->sample_type = sample_type(out->brick.type);
+    g->sample_type = vvi_lattice_type(out->brick.type);
     for (int a = 0; a < 3; a++)
         g->n[a] = (int32_t)box.n[a];
     g->row = g->n[0];
     g->slice = (int64_t)g->n[0] * g->n[1];
-    g->wide = g->slice > INT32_MAX / g->n[2];
+    g->fetch = g->slice > INT32_MAX / g->n[2] ? VVI_FETCH_WIDE : VVI_FETCH_LINEAR;
     if (g->slice > INT32_MAX) {
         vvi_lattice_close(out);
         return vv_fail(VV_E_UNSUPPORTED, "a slice of %d x %d samples is too large to ray cast; crop or resample",

@@ -286,6 +286,7 @@ static void lazy_drop(vvi_sample_store *store)
 
 static const vvi_sample_store_class lazy_class = {
     .name = "lazy",
+    .lazy = true,
     .brick = lazy_brick,
     .damaged = lazy_damaged,
     .drop = lazy_drop,

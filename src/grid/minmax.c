@@ -131,7 +131,7 @@ static int32_t count_blocks(int64_t samples, int shift)
     return (int32_t)((cells + ((int64_t)1 << shift) - 1) >> shift);
 }
 
-vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job)
+static vv_status new_blocks(vvi_minmax **out, const int64_t dims[3], int shift, vv_job *job)
 {
     *out = NULL;
     vvi_minmax *m = vvi_alloc_zeroed(job, sizeof *m, VVI_MEM_DERIVED);
@@ -141,7 +141,7 @@ vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int componen
     size_t n_blocks = 0, bytes = 0;
     vv_status st = VV_OK;
     for (int a = 0; a < 3; a++)
-        m->n[a] = count_blocks(brick->box.n[a], shift);
+        m->n[a] = count_blocks(dims[a], shift);
     if ((st = vvi_mul3_size(&n_blocks, (size_t)m->n[0], (size_t)m->n[1], (size_t)m->n[2])) != VV_OK ||
         (st = vvi_mul_size(&bytes, n_blocks, sizeof(float))) != VV_OK)
         goto fail;
@@ -151,15 +151,85 @@ vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int componen
         st = vv_fail_memory(bytes);
         goto fail;
     }
-    build b = {.m = m, .brick = brick, .component = (size_t)component, .job = job};
-    b.row_bytes = ((size_t)brick->box.n[0] * vv_type_bytes(brick->type) + 63) & ~(size_t)63;
-    const vvi_work work = {.stage = NULL, .start = start, .item = item, .finish = finish};
-    if ((st = vvi_parallel_for(job, &work, &b, (size_t)m->n[1] * (size_t)m->n[2])) != VV_OK)
-        goto fail;
     *out = m;
     return VV_OK;
 fail:
     vvi_minmax_free(m);
+    return st;
+}
+
+static vv_status fill_blocks(vvi_minmax *m, const vv_brick *brick, int component, vv_job *job)
+{
+    build b = {.m = m, .brick = brick, .component = (size_t)component, .job = job};
+    b.row_bytes = ((size_t)brick->box.n[0] * vv_type_bytes(brick->type) + 63) & ~(size_t)63;
+    const vvi_work work = {.stage = NULL, .start = start, .item = item, .finish = finish};
+    return vvi_parallel_for(job, &work, &b, (size_t)m->n[1] * (size_t)m->n[2]);
+}
+
+vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job)
+{
+    vv_status st = new_blocks(out, brick->box.n, shift, job);
+    if (st != VV_OK || (st = fill_blocks(*out, brick, component, job)) == VV_OK)
+        return st;
+    vvi_minmax_free(*out);
+    *out = NULL;
+    return st;
+}
+
+/* Layers ---------------------------------------------------------------------------------------------------------- */
+
+/* The slices of one layer of blocks as numbers of the lattice: rows packed, to `room`. */
+static vv_brick layer_numbers(char *room, const vv_brick *brick, const vvi_lattice_numbers *numbers)
+{
+    const size_t each = vv_type_bytes(numbers->to), row = (size_t)brick->box.n[0];
+    vv_brick out = {.data = room, .box = brick->box, .type = numbers->to, .components = 1};
+    out.stride[0] = (int64_t)each;
+    out.stride[1] = (int64_t)(row * each);
+    out.stride[2] = out.stride[1] * brick->box.n[1];
+    for (int64_t k = 0; k < brick->box.n[2]; k++)
+        for (int64_t j = 0; j < brick->box.n[1]; j++)
+            vvi_lattice_convert_row(room + k * out.stride[2] + j * out.stride[1], numbers,
+                                    (const char *)brick->data + k * brick->stride[2] + j * brick->stride[1],
+                                    brick->stride[0], row);
+    return out;
+}
+
+static vv_status fill_layer(vvi_minmax *m, const vvi_lattice_hold *hold, int32_t k, char *room, vv_job *job)
+{
+    vv_box box = vv_field_box(hold->field);
+    const int64_t side = (int64_t)1 << m->shift, end = box.n[2];
+    const size_t at = (size_t)k * (size_t)m->n[0] * (size_t)m->n[1];
+    vvi_minmax layer = {.n = {m->n[0], m->n[1], 1}, .shift = m->shift, .lo = m->lo + at, .hi = m->hi + at};
+    vv_brick brick;
+    box.lo[2] = k * side;
+    box.n[2] = end - box.lo[2] < side + 1 ? end - box.lo[2] : side + 1;
+    vv_status st = vv_field_brick(&brick, hold->field, &box, job);
+    if (st != VV_OK)
+        return st;
+    const vv_brick numbers = layer_numbers(room, &brick, &hold->numbers);
+    st = fill_blocks(&layer, &numbers, 0, job);
+    vv_brick_release(&brick);
+    return st;
+}
+
+static vv_status build_layers(vvi_minmax **out, const vvi_lattice_hold *hold, int shift, vv_job *job)
+{
+    const int64_t *dims = vv_field_get_info(hold->field)->grid.dims;
+    vv_status st = new_blocks(out, dims, shift, job);
+    if (st != VV_OK)
+        return st;
+    const size_t slices = ((size_t)1 << shift) + 1;
+    const size_t bytes = (size_t)dims[0] * (size_t)dims[1] * slices * vv_type_bytes(hold->numbers.to);
+    char *room = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!room)
+        st = vv_fail_memory(bytes);
+    for (int32_t k = 0; k < (*out)->n[2] && st == VV_OK; k++)
+        st = fill_layer(*out, hold, k, room, job);
+    vvi_free(room);
+    if (st == VV_OK)
+        return VV_OK;
+    vvi_minmax_free(*out);
+    *out = NULL;
     return st;
 }
 
@@ -175,6 +245,7 @@ void vvi_minmax_free(void *minmax)
 
 typedef struct request {
     const vv_brick *brick;
+    const vvi_lattice_hold *in_bricks; /* NULL: not */
     int component, shift;
 } request;
 
@@ -182,7 +253,8 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
 {
     const request *r = user;
     vvi_minmax *m = NULL;
-    const vv_status st = vvi_minmax_build(&m, r->brick, r->component, r->shift, job);
+    const vv_status st = r->in_bricks ? build_layers(&m, r->in_bricks, r->shift, job)
+                                      : vvi_minmax_build(&m, r->brick, r->component, r->shift, job);
     if (st == VV_OK)
         *bytes_out = (uint64_t)m->n[0] * (uint64_t)m->n[1] * (uint64_t)m->n[2] * 2 * sizeof(float);
     *value_out = m;
@@ -197,6 +269,13 @@ vvi_cache_key vvi_minmax_key(const char *what, const vv_field *field, int compon
 vv_status vvi_minmax_get(vvi_cached **out, const vvi_cache_key *key, const vv_brick *brick, int component, int shift,
                          vv_job *job)
 {
-    request r = {brick, component, shift};
+    request r = {brick, NULL, component, shift};
+    return vvi_cache_get(out, key, make, vvi_minmax_free, &r, job);
+}
+
+vv_status vvi_minmax_get_lattice(vvi_cached **out, const vvi_cache_key *key, const vvi_lattice_hold *hold, int shift,
+                                 vv_job *job)
+{
+    request r = {&hold->brick, hold->lattice.fetch == VVI_FETCH_BRICKS ? hold : NULL, 0, shift};
     return vvi_cache_get(out, key, make, vvi_minmax_free, &r, job);
 }

@@ -10,6 +10,7 @@
 #define VVI_GRID_MINMAX_H
 #include "core/cache.h"
 #include "core/status.h"
+#include "grid/lattice.h"
 #include <volvis/field.h>
 
 typedef struct vvi_minmax {
@@ -27,6 +28,9 @@ void vvi_minmax_free(void *minmax); /* NULL is fine */
 /** The same from the job's cache under a key; vvi_cached_value() is a vvi_minmax. */
 vv_status vvi_minmax_get(vvi_cached **out, const vvi_cache_key *key, const vv_brick *brick, int component, int shift,
                          vv_job *job);
+/** The same of a lattice's numbers, however it is fetched: of bricks, layer by layer from the field. */
+vv_status vvi_minmax_get_lattice(vvi_cached **out, const vvi_cache_key *key, const vvi_lattice_hold *hold, int shift,
+                                 vv_job *job);
 /** A key for a component of a field. `what`: "minmax" for samples of 8 or 16 bits and floats as they are stored, else
  * a name for what is made of them. */
 vvi_cache_key vvi_minmax_key(const char *what, const vv_field *field, int component, int shift);

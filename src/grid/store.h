@@ -11,6 +11,7 @@ typedef struct vvi_sample_store vvi_sample_store;
 
 typedef struct vvi_sample_store_class {
     const char *name;
+    bool lazy; /**< samples are made when they are asked for, and not kept all at once */
     /** Fills data, stride, guard_bytes and owner; box, type and components are set and checked before. */
     vv_status (*brick)(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job);
     /** Whether samples were lost after the field was made; NULL: never. */
@@ -41,6 +42,8 @@ void vvi_sample_store_release(vvi_sample_store *store); /* NULL is fine */
 vv_status vvi_field_on_samples(vv_field **out, const vv_field_info *info, vvi_sample_store *store, vv_runtime *runtime,
                                vv_job *job);
 vvi_sample_store *vvi_field_store(const vv_field *field);
+/** Whether its samples are made when they are asked for. */
+bool vvi_field_is_lazy(const vv_field *field);
 /** vv_field_health() without a sentence. */
 bool vvi_field_is_damaged(const vv_field *field);
 #endif

@@ -20,10 +20,28 @@ typedef struct picking {
     vv_job *job;
 } picking;
 
-static void describe(vv_picked *out, const picking *p)
+static vv_vec3 normal_at(const vv_image *image, size_t at)
 {
+    const float *n = image->normal + 3 * at;
+    return vvi_vec((double)n[0], (double)n[1], (double)n[2]);
+}
+
+/* What the renderer says of a pixel itself, and the data at that place: samples that are not interpolated have their
+ * values to the last digit there. */
+static void describe(vv_picked *out, const picking *p, const vv_image *image, size_t at)
+{
+    const double x = out->pixel.x + 0.5, y = out->pixel.y + 0.5;
+    const bool told = p->scene->renderer->can & VV_CAN_LAYERS;
     vvi_seen seen;
-    vvi_sight_at(&seen, &p->sight, out->pixel.x + 0.5, out->pixel.y + 0.5, out->depth);
+    if (told)
+        vvi_sight_of(&seen, &p->sight, image->id[at], x, y, out->depth);
+    else
+        vvi_sight_at(&seen, &p->sight, x, y, out->depth);
+    if (told && seen.actor) {
+        seen.normal = normal_at(image, at);
+        if (!seen.actor->nearest && seen.actor->classes.kind != VV_SEGMENT_LABELS)
+            seen.value = (double)image->value[at];
+    }
     out->world = seen.world;
     out->value = seen.value;
     if (!seen.actor)
@@ -47,12 +65,6 @@ static void take_pixel(vv_picked *out, const vv_image *image, size_t at)
     out->hit = isfinite(out->depth);
 }
 
-static vv_vec3 normal_at(const vv_image *image, size_t at)
-{
-    const float *n = image->normal + 3 * at;
-    return vvi_vec((double)n[0], (double)n[1], (double)n[2]);
-}
-
 static vv_status pick_drawn(const picking *p, vv_picked *out)
 {
     const size_t at = (size_t)out->pixel.y * (size_t)p->whole->width + (size_t)out->pixel.x;
@@ -62,7 +74,7 @@ static vv_status pick_drawn(const picking *p, vv_picked *out)
         return VV_OK;
     }
     if (out->hit)
-        describe(out, p);
+        describe(out, p, p->whole, at);
     if (out->hit && p->whole->normal)
         out->normal = normal_at(p->whole, at);
     return VV_OK;
@@ -81,19 +93,18 @@ static vv_status pick_one(void *scratch, void *user, size_t index)
     *out = (vv_picked){.pixel = pixel, .depth = INFINITY, .value = NAN};
     if (p->whole)
         return pick_drawn(p, out);
-    const unsigned layers = VV_LAYER_DEPTH | (p->scene->n_mesh_actors ? VV_LAYER_ID : 0);
+    const unsigned told = p->scene->renderer->can & VV_CAN_LAYERS ? VV_LAYER_NORMAL | VV_LAYER_ID | VV_LAYER_VALUE : 0;
+    const unsigned layers = VV_LAYER_DEPTH | told | (p->scene->n_mesh_actors ? VV_LAYER_ID : 0);
     vv_status st = vv_image_new(&image, 1, 1, layers, p->job);
     if (st != VV_OK)
         return st;
-    if (image->id)
-        image->id[0] = 0;
     st = p->scene->renderer->render(p->state, &pass, &(vv_tile){0, 0, 1, 1}, image, &counts, p->job);
     if (st == VV_OK)
         take_pixel(out, image, 0);
     if (st == VV_OK && image->id && image->id[0] > p->scene->n_actors)
         out->id = image->id[0]; /* of a mesh: see describe_shapes() */
     else if (st == VV_OK && out->hit)
-        describe(out, p);
+        describe(out, p, image, 0);
     vv_image_release(image);
     return st;
 }

@@ -179,14 +179,19 @@ static vv_vec3 normal_of(const vvi_sight_volume *v, const ray *r, vv_vec3 gradie
     return vvi_dot(n, r->direction) > 0 ? vvi_scaled(n, -1) : n;
 }
 
-void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, double depth)
+static ray find_ray(const vvi_sight *sight, double x, double y, double depth)
 {
     const vv_scene *scene = sight->scene;
     ray r = {.depth = depth, .slack = SLACK_DEPTH * fabs(depth)};
-    double p[3];
     vvi_lens_ray(&r.origin, &r.direction, &scene->lens, scene->width, scene->height, x, y);
-    *out = (vvi_seen){.world = point_at(&r, depth), .value = NAN};
-    const vvi_sight_volume *v = choose(sight, &r);
+    return r;
+}
+
+/* v NULL: no volume is there. */
+static void see(vvi_seen *out, const vvi_sight *sight, const vvi_sight_volume *v, const ray *r)
+{
+    double p[3];
+    *out = (vvi_seen){.world = point_at(r, r->depth), .value = NAN};
     if (!v)
         return;
     index_of(p, v, out->world);
@@ -198,7 +203,19 @@ void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, dou
     if (!labelled || !vvi_probe_label(&out->label, &v->probe, p))
         out->label = 0;
     out->gradient = to_world(v, vvi_probe_gradient(&v->probe, p));
-    out->normal = normal_of(v, &r, out->gradient);
+    out->normal = normal_of(v, r, out->gradient);
+}
+
+void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, double depth)
+{
+    const ray r = find_ray(sight, x, y, depth);
+    see(out, sight, choose(sight, &r), &r);
+}
+
+void vvi_sight_of(vvi_seen *out, const vvi_sight *sight, uint32_t id, double x, double y, double depth)
+{
+    const ray r = find_ray(sight, x, y, depth);
+    see(out, sight, id > 0 && id <= sight->n_volumes ? &sight->volumes[id - 1] : NULL, &r);
 }
 
 /* Layers ---------------------------------------------------------------------------------------------------------- */
@@ -238,7 +255,7 @@ vv_status vvi_layers_fill(vv_image *image, const vv_scene *scene, vv_job *job)
 {
     static const vvi_work work = {.item = fill_row};
     vvi_sight sight;
-    if (!image->depth || !(image->normal || image->id || image->value))
+    if (!image->depth || !(image->normal || image->id || image->value) || scene->renderer->can & VV_CAN_LAYERS)
         return VV_OK;
     vv_status st = vvi_sight_open(&sight, scene, job);
     if (st != VV_OK)

@@ -1,6 +1,6 @@
 /** @file
- * What is seen where a pixel's depth is: volume, value, gradient, normal. From the depth alone, so of any renderer; for
- * the layers of an image and for picking.
+ * What is seen where a pixel's depth is: volume, value, gradient, normal. From the depth alone, for the layers and the
+ * picking of renderers that tell no more (those that do: VV_CAN_LAYERS); and what the data are at a place.
  */
 #ifndef VVI_RENDER_PIXEL_VALUE_H
 #define VVI_RENDER_PIXEL_VALUE_H
@@ -41,7 +41,10 @@ typedef struct vvi_seen {
  * half of what is below it there, else the one with the largest extinction. */
 void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, double depth);
 
+/** The same of the volume that a renderer says it is. */
+void vvi_sight_of(vvi_seen *out, const vvi_sight *sight, uint32_t id, double x, double y, double depth);
+
 /** The layers normal, id and value, where the image has them, from its depth; all threads. Normals that the renderer
- * drew stay. */
+ * drew stay; of a renderer that writes all of them nothing is filled. */
 vv_status vvi_layers_fill(vv_image *image, const vv_scene *scene, vv_job *job);
 #endif

@@ -297,9 +297,9 @@ static vv_status look_at(found *f, const sight *s, const vv_actor *actor, vv_job
     const vvi_cache_key key = vvi_minmax_key("minmax", actor->field, actor->component, shift);
     vvi_lattice_hold hold = {0};
     vvi_cached *minmax = NULL;
-    vv_status st = vvi_lattice_open(&hold, actor->field, actor->component, job);
+    vv_status st = vvi_lattice_open_somehow(&hold, actor->field, actor->component, job);
     if (st == VV_OK)
-        st = vvi_minmax_get(&minmax, &key, &hold.brick, 0, shift, job);
+        st = vvi_minmax_get_lattice(&minmax, &key, &hold, shift, job);
     if (st == VV_OK)
         st = look(f, s, vvi_cached_value(minmax), &hold, job);
     vvi_cache_release(minmax);

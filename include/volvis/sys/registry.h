@@ -289,7 +289,10 @@ typedef enum vv_renderer_can {
     /** Normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
     VV_CAN_NORMALS = 1,
     /** Contents that it does not take are left out, which it says itself; without this, they are refused. */
-    VV_CAN_LEAVE_OUT = 2
+    VV_CAN_LEAVE_OUT = 2,
+    /** Normals, ids and values are those that render() writes to the image's layers, of the volumes that it meets;
+     * without this, they are looked up in the data where the depths are. */
+    VV_CAN_LAYERS = 4
 } vv_renderer_can;
 
 /** A rendering method. One frame = a resolved scene + this row. */

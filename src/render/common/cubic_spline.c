@@ -166,7 +166,7 @@ vv_status vvi_lattice_open_cubic(vvi_lattice_hold *out, const vv_field *field, i
     vv_status st = vvi_lattice_open(out, field, component, job);
     if (st != VV_OK)
         return st;
-    if (out->lattice.wide)
+    if (out->lattice.fetch == VVI_FETCH_WIDE)
         st = vv_fail(VV_E_UNSUPPORTED, "cubic interpolation takes at most 2^31 samples; use linear, crop or resample");
     else
         st = replace(out, field, component, job);

@@ -8,7 +8,7 @@
  */
 #ifndef VVI_RENDER_MARCH_BLEND_H
 #define VVI_RENDER_MARCH_BLEND_H
-#include "render/march/color.h"
+#include "render/march/hits.h"
 #include "render/march/stretch.h"
 
 /* Parts of a step below this are rounding. */
@@ -20,6 +20,7 @@ typedef struct composite_state {
     size_t n;
     vf rgb[3], transmittance;
     vf depth; /* step at which half of the light was gone; -1: not yet */
+    vi most;  /* several volumes: the number of the part that took most of it there */
     uint64_t samples;
     float opaque;
     vf limit; /* several volumes: steps until the stretch is over */
@@ -130,16 +131,32 @@ VV_INLINE vm blend_enter(composite_state *s, const stretches *along, int number)
     return vm_and(vf_lt(vf_set1(0.0f), s->limit), vf_lt(vf_set1(s->opaque), s->transmittance));
 }
 
-/** Where half of the light was gone, if that was in this stretch. */
-VV_INLINE void blend_leave(float *depth_out, const composite_state *s, const stretches *along, int number)
+/* Of each volume those lanes of `ended` in which it took most. */
+VV_INLINE void blend_hits(vvi_sink *out, const composite_state *s, size_t at, vm ended)
 {
-    float depth[VV_WIDTH];
+    for (size_t i = 0; i < s->n; i++) {
+        const march_part *p = &s->part[i];
+        const vf k = vf_max(s->depth - p->first, vf_set1(0.0f)) * p->scale;
+        const vf3 point = packet_point(&p->r, k);
+        find_hits(out, &p->r, p->f, at, &k, &point, vm_and(ended, vi_eq(s->most, vi_set1((int32_t)i))));
+    }
+}
+
+/** Where half of the light was gone, and what was met there, if that was in this stretch. */
+VV_INLINE void blend_leave(vvi_sink *out, size_t at, const composite_state *s, const stretches *along, int number)
+{
+    float depth[VV_WIDTH], *to = out->depth + at;
+    uint32_t ended = 0;
     vf_store(depth, s->depth);
     for (int l = 0; l < VV_WIDTH; l++) {
         const stretch *in = &along->of[l][number];
-        if (depth[l] >= 0 && isinf(depth_out[l]) && number < along->n[l])
-            depth_out[l] = (float)(in->from + (double)depth[l] * in->step);
+        if (!(depth[l] >= 0 && isinf(to[l]) && number < along->n[l]))
+            continue;
+        to[l] = (float)(in->from + (double)depth[l] * in->step);
+        ended |= 1u << l;
     }
+    if (out->hits && ended)
+        blend_hits(out, s, at, vm_from_bits(ended));
 }
 
 /** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
@@ -250,6 +267,21 @@ VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
     }
 }
 
+/* The part with most opacity in a step. */
+VV_INLINE vi densest_part(const blend_sample *t, const vm *some, size_t n)
+{
+    vf most = vf_set1(0.0f);
+    vi part = vi_set1(0);
+    for (size_t i = 0; i < n; i++) {
+        if (!vm_any(some[i]))
+            continue;
+        const vm more = vm_and(some[i], vf_lt(most, t->found[i].depth));
+        most = vf_select(more, t->found[i].depth, most);
+        part = vi_select(more, vi_set1((int32_t)i), part);
+    }
+    return part;
+}
+
 /** What lanes of run see of them. */
 VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run)
 {
@@ -276,8 +308,11 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
         if (vm_any(some[i]))
             part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
     s->transmittance = vf_max(s->transmittance - weight * sum, zero);
-    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, seen), (from + to) * vf_set1(0.5f), s->depth);
+    const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
+    if (vm_any(halved)) {
+        s->depth = vf_select(halved, (from + to) * vf_set1(0.5f), s->depth);
+        s->most = vi_select(halved, densest_part(t, some, n), s->most);
+    }
 }
 
 /** The light that came later. */

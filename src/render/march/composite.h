@@ -29,7 +29,7 @@ VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_ho
 {
     const vvi_march_volume *f = p->f;
     const vf value = part_value(f, sampler, packet_point(&p->r, k), m);
-    if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_WIDE)
+    if (sampler == VVI_SAMPLE_F32 || sampler == VVI_SAMPLE_ANY)
         m = vm_and(m, is_number(value));
     out->k = k;
     out->m = m;
@@ -207,6 +207,7 @@ VV_INLINE void composite_begin(composite_state *s, march_part *part, size_t n, f
     s->transmittance = vf_set1(1.0f);
     s->opaque = opaque;
     s->depth = vf_set1(-1.0f);
+    s->most = vi_set1(0);
     s->samples = 0;
 }
 
@@ -228,6 +229,7 @@ VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vv
             color(&part.queue, &part);
         counts->samples += s.samples;
         packet_store(out, &part.r, f, at, how == HOW_LIT ? part.queue.rgb : s.rgb, s.transmittance, s.depth);
+        store_hits(out, &part.r, f, at, s.depth);
     }
 }
 
@@ -243,10 +245,11 @@ VV_INLINE void composite_blend(vvi_sink *out, const vvi_blend_setup *f, const vv
         composite_begin(&s, part, f->n_volumes, f->opaque);
         blend_begin(&along, &s, rays, at);
         vf_store(out->depth + at, vf_set1(INFINITY));
+        hits_begin(out, at);
         for (int i = 0; i < along.most; i++) {
             const vm run = blend_enter(&s, &along, i);
             composite_march(&s, HOW_ANY, 0, NULL, vf_set1(0.0f), s.limit, vf_set1(0.0f), false, vf_set1(1.0f), run);
-            blend_leave(out->depth + at, &s, &along, i);
+            blend_leave(out, at, &s, &along, i);
         }
         blend_finish(&s);
         counts->samples += s.samples;

@@ -8,8 +8,8 @@ static __attribute__((noinline)) void find_front(march_part *p, const vf *from, 
 {
     const vvi_march_volume *f = p->f;
     const vf3 at = packet_point(&p->r, (*from - p->first) * p->scale);
-    const vf value =
-        f->sampler.cubic ? cubic_value(&f->sampler.lattice, &at, fresh) : value_linear(&f->sampler.lattice, &at, fresh);
+    const vf value = f->sampler.cubic ? cubic_value(&f->sampler.lattice, &at, fresh)
+                                      : any_value(&f->sampler.lattice, false, &at, fresh);
     row_place row;
     find_row(&row, &f->classifier, value);
     p->known = vf_select(fresh, value, p->known);
@@ -110,7 +110,7 @@ KERNELS(u8, VVI_SAMPLE_U8)
 KERNELS(u16, VVI_SAMPLE_U16)
 KERNELS(i16, VVI_SAMPLE_I16)
 KERNELS(f32, VVI_SAMPLE_F32)
-KERNELS(wide, VVI_SAMPLE_WIDE)
+KERNELS(any, VVI_SAMPLE_ANY)
 SAMPLER(cubic, VVI_RAY_CUBIC)
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays);
@@ -118,9 +118,9 @@ void VV_KERNEL_TABLE(vvi_blend_rays)(vvi_sink *out, const vvi_blend_setup *f, co
                                      vv_render_counts *counts)
 {
     static const sampler_row samplers[VVI_RAY_SAMPLERS] = {
-        [VVI_SAMPLE_U8] = {classify_u8, color_u8},       [VVI_SAMPLE_U16] = {classify_u16, color_u16},
-        [VVI_SAMPLE_I16] = {classify_i16, color_i16},    [VVI_SAMPLE_F32] = {classify_f32, color_f32},
-        [VVI_SAMPLE_WIDE] = {classify_wide, color_wide}, [VVI_RAY_CUBIC] = {classify_cubic, color_cubic},
+        [VVI_SAMPLE_U8] = {classify_u8, color_u8},    [VVI_SAMPLE_U16] = {classify_u16, color_u16},
+        [VVI_SAMPLE_I16] = {classify_i16, color_i16}, [VVI_SAMPLE_F32] = {classify_f32, color_f32},
+        [VVI_SAMPLE_ANY] = {classify_any, color_any}, [VVI_RAY_CUBIC] = {classify_cubic, color_cubic},
     };
     composite_blend(out, f, rays, counts, samplers);
 }

@@ -57,13 +57,15 @@ VV_INLINE void find_cubic_place(cubic_place *c, const vvi_lattice *g, vf3 p, vm 
     find_cubic_samples(c->i, cell.i, g->n[0]);
     find_cubic_samples(c->j, cell.j, g->n[1]);
     find_cubic_samples(c->k, cell.k, g->n[2]);
+    const sample_place at = cell_place(g, VVI_SAMPLE_ANY, &cell, m);
+    const vi before = cell.i - vi_set1(1), first = vi_clamp(before, vi_set1(0), vi_set1(last > 0 ? last : 0));
     for (int o = 0; o < 4; o++) {
-        c->j[o] = y_offset(g, c->j[o]);
-        c->k[o] = z_offset(g, VVI_SAMPLE_F32, c->k[o]);
+        c->i[o] = at.x + (c->i[o] - cell.i);
+        c->j[o] = at.y + (c->j[o] - cell.j) * vi_set1(g->row);
+        c->k[o] = at.z + (c->k[o] - cell.k) * vi_set1((int32_t)g->slice);
     }
-    const vi before = cell.i - vi_set1(1);
-    c->first = vi_clamp(before, vi_set1(0), vi_set1(last > 0 ? last : 0));
-    c->inner = last >= 0 && !vm_any(vm_andnot(m, vi_eq(c->first, before)));
+    c->first = at.x + (first - cell.i);
+    c->inner = last >= 0 && !vm_any(vm_andnot(m, vi_eq(first, before)));
 }
 
 /** The four coefficients of a row. */
@@ -82,7 +84,7 @@ VV_INLINE vf weighted(const vf v[4], const vf w[4])
     return vf_fma(v[0], w[0], vf_fma(v[1], w[1], vf_fma(v[2], w[2], v[3] * w[3])));
 }
 
-/** The value alone. The lattice is not wide. */
+/** The value alone. The lattice is near (fetch.h). */
 static __attribute__((noinline)) vf cubic_value(const vvi_lattice *g, const vf3 *p, vm m)
 {
     cubic_place c;

@@ -71,6 +71,7 @@ VV_INLINE void store_values(vvi_sink *out, const packet *r, const vvi_march_volu
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_gather4(f->classifier.color + c, at, found) * weight;
     packet_store(out, r, f, to, rgb, vf_set1(1.0f) - weight, depth);
+    store_hits(out, r, f, to, depth);
 }
 
 VV_INLINE void extremum_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,

@@ -43,7 +43,7 @@ KERNELS_OF_TYPE(u8, VVI_SAMPLE_U8)
 KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
 KERNELS_OF_TYPE(i16, VVI_SAMPLE_I16)
 KERNELS_OF_TYPE(f32, VVI_SAMPLE_F32)
-KERNELS_OF_TYPE(wide, VVI_SAMPLE_WIDE)
+KERNELS_OF_TYPE(any, VVI_SAMPLE_ANY)
 
 KERNEL(spline, surface_cubic_packet(out, f, r, at, counts))
 
@@ -90,7 +90,7 @@ static void sample(float *restrict value, float *const gradient[3], const vvi_la
         sample_points(value, gradient, g, VVI_SAMPLE_F32, nearest, x, y, z, n);
         break;
     default:
-        sample_points(value, gradient, g, VVI_SAMPLE_WIDE, nearest, x, y, z, n);
+        sample_points(value, gradient, g, VVI_SAMPLE_ANY, nearest, x, y, z, n);
         break;
     }
 }
@@ -128,13 +128,13 @@ static void eye(vvi_rays *out, const vvi_eye *e, const vv_tile *tile)
 
 #define BY_TYPE(name)                                                                                                  \
     {                                                                                                                  \
-        name##_u8, name##_u16, name##_i16, name##_f32, name##_wide                                                     \
+        name##_u8, name##_u16, name##_i16, name##_f32, name##_any                                                      \
     }
 
 #define BY_TYPE_OF(name)                                                                                               \
     {                                                                                                                  \
         VV_KERNEL_TABLE(name##_u8), VV_KERNEL_TABLE(name##_u16), VV_KERNEL_TABLE(name##_i16),                          \
-            VV_KERNEL_TABLE(name##_f32), VV_KERNEL_TABLE(name##_wide)                                                  \
+            VV_KERNEL_TABLE(name##_f32), VV_KERNEL_TABLE(name##_any)                                                   \
     }
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays); /* composite_kernel.c */

@@ -32,7 +32,7 @@ typedef struct vvi_ray_kernels {
     uint32_t needs;
     const char *isa;
     int width; /**< lanes */
-    /** By what they do, and by sample type (VVI_SAMPLE_WIDE for wide lattices). */
+    /** By what they do, and by sample type (VVI_SAMPLE_ANY for what is fetched otherwise than from one array). */
     vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS];
     vvi_eye_kernel *eye;
     vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */

@@ -40,11 +40,11 @@ static __attribute__((noinline)) vf winner_of_many(const vf v[8], const vf w[8])
 }
 
 /** The stored label; of two with the same weight the smaller. */
-VV_INLINE vf winning_label(const vvi_lattice *g, int type, vf3 p, vm m)
+VV_INLINE vf winning_label(const vvi_lattice *g, int how, vf3 p, vm m)
 {
     const cell_at c = find_cell(g, p);
     vf v[8], w[8];
-    load_corners(g, type, &c, m, (vf(*)[2][2])v);
+    load_corners(g, how, &c, m, (vf(*)[2][2])v);
     vf low = v[0], high = v[0];
     for (int i = 1; i < 8; i++) {
         low = vf_min(low, v[i]);
@@ -70,37 +70,38 @@ VV_INLINE vf is_label(vf v, vf label)
 }
 
 /** A row through a cell, interpolated along x. */
-VV_INLINE vf label_row(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vf label, vm m)
+VV_INLINE vf label_row(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vf fx, vf label, vm m)
 {
     vf l, r;
-    load_pair(g, type, c->i, yo, zo, m, &l, &r);
-    return vf_lerp(is_label(l, label), is_label(r, label), c->fx);
+    load_pair(g, how, x, yo, zo, m, &l, &r);
+    return vf_lerp(is_label(l, label), is_label(r, label), fx);
 }
 
 /** The gradient, as border_gradient() has it, of the field that is 1 where the label is and 0 elsewhere. */
-VV_INLINE vf3 label_gradient_of(const vvi_lattice *g, int type, const cell_at *c, vf label, vm m)
+VV_INLINE vf3 label_gradient_of(const vvi_lattice *g, int how, const cell_at *c, vf label, vm m)
 {
     const axis_differences dx = find_differences(c->i, g->n[0]);
     const axis_differences dy = find_differences(c->j, g->n[1]);
     const axis_differences dz = find_differences(c->k, g->n[2]);
+    const sample_place at = cell_place(g, how, c, m);
     vi y[4], z[4];
-    find_rows(y, y_offset(g, c->j), y_up(g), &dy);
-    find_rows(z, z_offset(g, type, c->k), z_up(g, type), &dz);
+    find_rows(y, at.y, y_up(g), &dy);
+    find_rows(z, at.z, z_up(g, how), &dz);
     vf in[2][2], gx[2][2], gy[2], gz[2];
     for (int i = 0; i < 4; i++) {
         vf q[4];
         const int b = i >> 1, a = i & 1;
-        load_quad(g, type, c->i, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
+        load_quad(g, how, at.x, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
         for (int k = 0; k < 4; k++)
             q[k] = is_label(q[k], label);
         in[b][a] = vf_lerp(q[1], q[2], c->fx);
         gx[b][a] = difference(&dx, q[0], q[1], q[2], q[3], c->fx);
     }
     for (int a = 0; a < 2; a++) {
-        gy[a] = difference(&dy, label_row(g, type, c, y[0], z[a + 1], label, m), in[a][0], in[a][1],
-                           label_row(g, type, c, y[3], z[a + 1], label, m), c->fy);
-        gz[a] = difference(&dz, label_row(g, type, c, y[a + 1], z[0], label, m), in[0][a], in[1][a],
-                           label_row(g, type, c, y[a + 1], z[3], label, m), c->fz);
+        gy[a] = difference(&dy, label_row(g, how, at.x, y[0], z[a + 1], c->fx, label, m), in[a][0], in[a][1],
+                           label_row(g, how, at.x, y[3], z[a + 1], c->fx, label, m), c->fy);
+        gz[a] = difference(&dz, label_row(g, how, at.x, y[a + 1], z[0], c->fx, label, m), in[0][a], in[1][a],
+                           label_row(g, how, at.x, y[a + 1], z[3], c->fx, label, m), c->fz);
     }
     return (vf3){vf_lerp(vf_lerp(gx[0][0], gx[0][1], c->fy), vf_lerp(gx[1][0], gx[1][1], c->fy), c->fz),
                  vf_lerp(gy[0], gy[1], c->fz), vf_lerp(gz[0], gz[1], c->fy)};
@@ -124,7 +125,7 @@ static __attribute__((noinline)) void label_gradient(vf3 *out, const vvi_lattice
         *out = label_gradient_of(g, VVI_SAMPLE_F32, &c, *label, m);
         break;
     default:
-        *out = label_gradient_of(g, VVI_SAMPLE_WIDE, &c, *label, m);
+        *out = label_gradient_of(g, VVI_SAMPLE_ANY, &c, *label, m);
         break;
     }
 }

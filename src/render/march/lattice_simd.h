@@ -1,20 +1,24 @@
 /** @file
  * Sampling a lattice with vectors: values and gradients at many points. For kernels only.
  *
- * `type` is a compile-time constant everywhere. A 32-bit gather at an 8- or 16-bit sample fetches its right neighbour
- * as well, so a trilinear value takes 4 gathers, and an 8-bit value with its central-difference gradient 12: that is
- * why lattices need guard bytes after the last sample (vv_field_new).
+ * `how` is a compile-time constant everywhere: sample type and way to fetch (fetch.h), or VVI_SAMPLE_ANY. What comes
+ * out is the same to the bit however samples are fetched.
  */
 #ifndef VVI_RENDER_LATTICE_SIMD_H
 #define VVI_RENDER_LATTICE_SIMD_H
-#include "core/simd_vec.h"
-#include "grid/lattice.h"
+#include "render/march/fetch.h"
 
 /** Where a point lies: the cell's lowest sample and the fraction inside it. */
 typedef struct cell_at {
     vi i, j, k;
     vf fx, fy, fz;
 } cell_at;
+
+/* With VVI_SAMPLE_ANY, out of line: any_simd.h. */
+static void any_place(sample_place *out, const vvi_lattice *g, const sample_place *sample, vm m);
+static void any_pair(vf out[2], const vvi_lattice *g, const spot *s, vm m);
+static vf any_value(const vvi_lattice *g, bool nearest, const vf3 *p, vm m);
+static void any_gradient(vf3 *out, const vvi_lattice *g, const cell_at *c, vm m);
 
 /** NaN and infinity are no numbers: clear, as are cells that touch one. */
 VV_INLINE vm is_number(vf v)
@@ -69,16 +73,20 @@ VV_INLINE cell_at find_gradient_cell(const vvi_lattice *g, bool nearest, vf3 p)
     return find_cell(g, vf3_set(vf_from_vi(s.i), vf_from_vi(s.j), vf_from_vi(s.k)));
 }
 
-/* In what follows `type` is one of VVI_SAMPLE_*, a constant in every kernel. Offsets in y and z count elements, but
- * whole slices in z where the type is VVI_SAMPLE_WIDE. */
-
-VV_INLINE vi y_offset(const vvi_lattice *g, vi j)
+/** Where samples (i, j, k) are. */
+VV_INLINE sample_place find_place(const vvi_lattice *g, int how, vi i, vi j, vi k, vm m)
 {
-    return j * vi_set1(g->row);
+    sample_place out = {i, j, k};
+    if (how == VVI_SAMPLE_ANY)
+        any_place(&out, g, &out, m);
+    else
+        fetch_place(&out, g, how >> FETCH_SHIFT, i, j, k, m);
+    return out;
 }
-VV_INLINE vi z_offset(const vvi_lattice *g, int type, vi k)
+
+VV_INLINE sample_place cell_place(const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
-    return type == VVI_SAMPLE_WIDE ? k : k * vi_set1((int32_t)g->slice);
+    return find_place(g, how, c->i, c->j, c->k, m);
 }
 
 /** From y to y + 1 and from z to z + 1; 0 on a flat axis. */
@@ -86,31 +94,11 @@ VV_INLINE vi y_up(const vvi_lattice *g)
 {
     return vi_set1(g->n[1] > 1 ? g->row : 0);
 }
-VV_INLINE vi z_up(const vvi_lattice *g, int type)
+VV_INLINE vi z_up(const vvi_lattice *g, int how)
 {
-    return vi_set1(g->n[2] < 2 ? 0 : type == VVI_SAMPLE_WIDE ? 1 : (int32_t)g->slice);
-}
-
-/** Loads of single lanes with 64-bit addresses. Out of line: large volumes wait for memory anyway. */
-static __attribute__((noinline)) vf load_wide(const vvi_lattice *g, vi x, vi yo, vi zo, vm m)
-{
-    int32_t lx[VV_WIDTH], ly[VV_WIDTH], lz[VV_WIDTH];
-    float v[VV_WIDTH];
-    vi_store(lx, x);
-    vi_store(ly, yo);
-    vi_store(lz, zo);
-    const uint32_t live = vm_bits(m);
-    for (int l = 0; l < VV_WIDTH; l++) {
-        v[l] = 0;
-        if (!(live >> l & 1))
-            continue;
-        const int64_t at = lz[l] * g->slice + ly[l] + (int64_t)lx[l];
-        v[l] = g->sample_type == VVI_SAMPLE_U8    ? (float)((const uint8_t *)g->data)[at]
-               : g->sample_type == VVI_SAMPLE_U16 ? (float)((const uint16_t *)g->data)[at]
-               : g->sample_type == VVI_SAMPLE_I16 ? (float)((const int16_t *)g->data)[at]
-                                                  : ((const float *)g->data)[at];
-    }
-    return vf_load(v);
+    if (g->n[2] < 2)
+        return vi_set1(0);
+    return fetch_slice(g, how == VVI_SAMPLE_ANY ? g->fetch : how >> FETCH_SHIFT);
 }
 
 /** The two numbers of 16 bits in a word, the lower first. */
@@ -125,47 +113,51 @@ VV_INLINE void split_16(int type, vi word, vf *a, vf *b)
     }
 }
 
-/** Two neighbours along x, as they are stored: both come in one word. */
-VV_INLINE void load_pair(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm m, vf *a, vf *b)
+/** Two neighbours along x, as they are stored: both come in one word. Where there is one alone, that twice: what lies
+ * to the right is the next row. */
+VV_INLINE void load_pair(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vm m, vf *a, vf *b)
 {
-    const vi at = x + yo + zo;
-    if (type == VVI_SAMPLE_WIDE) {
-        *a = load_wide(g, x, yo, zo, m);
-        *b = load_wide(g, x + vi_set1(g->n[0] > 1), yo, zo, m);
+    const spot s = {x + yo, zo};
+    const int type = type_of(how);
+    vi low, high;
+    if (how == VVI_SAMPLE_ANY) {
+        vf both[2];
+        any_pair(both, g, &s, m);
+        *a = both[0];
+        *b = both[1];
     } else if (type == VVI_SAMPLE_U8) {
-        const vi w = vi_gather(g->data, at, m);
-        *a = vf_from_vi(w & vi_set1(255));
-        *b = vf_from_vi(vi_shr_u(w, 8) & vi_set1(255));
+        fetch_words(&low, NULL, g, how, &s, m);
+        *a = vf_from_vi(low & vi_set1(255));
+        *b = vf_from_vi(vi_shr_u(low, 8) & vi_set1(255));
     } else if (type == VVI_SAMPLE_F32) {
-        vi low, high; /* the guard bytes are behind the last sample */
-        vi_gather_pair4(g->data, at, m, &low, &high);
+        fetch_words(&low, &high, g, how, &s, m); /* the guard bytes are behind the last sample */
         *a = vf_bits(low);
-        *b = g->n[0] > 1 ? vf_bits(high) : *a;
+        *b = vf_bits(high);
     } else {
-        split_16(type, vi_gather2(g->data, at, m), a, b);
+        fetch_words(&low, NULL, g, how, &s, m);
+        split_16(type, low, a, b);
     }
+    if (how != VVI_SAMPLE_ANY && g->n[0] == 1)
+        *b = *a;
 }
 
-VV_INLINE vf load_one(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm m)
+VV_INLINE vf load_one(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vm m)
 {
     vf a, b;
-    load_pair(g, type, x, yo, zo, m, &a, &b);
+    load_pair(g, how, x, yo, zo, m, &a, &b);
     (void)b;
     return a;
 }
 
 /** Corner values of a cell: v[z][y][x]. */
-VV_INLINE void load_corners(const vvi_lattice *g, int type, const cell_at *c, vm m, vf v[2][2][2])
+VV_INLINE void load_corners(const vvi_lattice *g, int how, const cell_at *c, vm m, vf v[2][2][2])
 {
-    const vi y0 = y_offset(g, c->j), y1 = y0 + y_up(g);
-    const vi z0 = z_offset(g, type, c->k), z1 = z0 + z_up(g, type);
-    load_pair(g, type, c->i, y0, z0, m, &v[0][0][0], &v[0][0][1]);
-    load_pair(g, type, c->i, y1, z0, m, &v[0][1][0], &v[0][1][1]);
-    load_pair(g, type, c->i, y0, z1, m, &v[1][0][0], &v[1][0][1]);
-    load_pair(g, type, c->i, y1, z1, m, &v[1][1][0], &v[1][1][1]);
-    if (g->n[0] == 1) /* what lies to the right is the next row */
-        for (int i = 0; i < 4; i++)
-            v[i >> 1][i & 1][1] = v[i >> 1][i & 1][0];
+    const sample_place at = cell_place(g, how, c, m);
+    const vi y1 = at.y + y_up(g), z1 = at.z + z_up(g, how);
+    load_pair(g, how, at.x, at.y, at.z, m, &v[0][0][0], &v[0][0][1]);
+    load_pair(g, how, at.x, y1, at.z, m, &v[0][1][0], &v[0][1][1]);
+    load_pair(g, how, at.x, at.y, z1, m, &v[1][0][0], &v[1][0][1]);
+    load_pair(g, how, at.x, y1, z1, m, &v[1][1][0], &v[1][1][1]);
 }
 
 /* Numbers of 8 and 16 bits are interpolated along x as integers, two products in one instruction, with the fraction in
@@ -173,17 +165,17 @@ VV_INLINE void load_corners(const vvi_lattice *g, int type, const cell_at *c, vm
  * those of VVI_SAMPLE_U16 have 32768 too little, until row_scale() and row_shift() mend it. */
 enum { FRACTION_BITS = 14, FRACTION_ONE = 1 << FRACTION_BITS };
 
-VV_INLINE bool is_integer(int type)
+VV_INLINE bool is_integer(int how)
 {
-    return type == VVI_SAMPLE_U8 || type == VVI_SAMPLE_U16 || type == VVI_SAMPLE_I16;
+    return type_of(how) == VVI_SAMPLE_U8 || type_of(how) == VVI_SAMPLE_U16 || type_of(how) == VVI_SAMPLE_I16;
 }
-VV_INLINE float row_scale(int type)
+VV_INLINE float row_scale(int how)
 {
-    return is_integer(type) ? 1.0f / FRACTION_ONE : 1.0f;
+    return is_integer(how) ? 1.0f / FRACTION_ONE : 1.0f;
 }
-VV_INLINE float row_shift(int type)
+VV_INLINE float row_shift(int how)
 {
-    return type == VVI_SAMPLE_U16 ? 32768.0f : 0.0f;
+    return type_of(how) == VVI_SAMPLE_U16 ? 32768.0f : 0.0f;
 }
 
 /** Weights of the left and the right sample, in the two halves of a word. */
@@ -194,59 +186,65 @@ VV_INLINE vi row_weights(const vvi_lattice *g, vf fx)
 }
 
 /** Two neighbours along x as signed numbers of 16 bits. */
-VV_INLINE vi load_pair_16(const vvi_lattice *g, int type, vi at, vm m)
+VV_INLINE vi load_pair_16(const vvi_lattice *g, int how, spot s, vm m)
 {
-    if (type == VVI_SAMPLE_U8)
-        return vi_bytes01(vi_gather(g->data, at, m));
-    const vi w = vi_gather2(g->data, at, m);
-    return type == VVI_SAMPLE_U16 ? w ^ vi_set1((int32_t)0x80008000) : w;
+    vi w;
+    fetch_words(&w, NULL, g, how, &s, m);
+    if (type_of(how) == VVI_SAMPLE_U8)
+        return vi_bytes01(w);
+    return type_of(how) == VVI_SAMPLE_U16 ? w ^ vi_set1((int32_t)0x80008000) : w;
 }
 
 /** A row of a cell, interpolated along x in floats, whatever its type. */
-VV_INLINE vf row_of_floats(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vm m)
+VV_INLINE vf row_of_floats(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vf fx, vm m)
 {
     vf l, r;
-    load_pair(g, type, c->i, yo, zo, m, &l, &r);
-    return vf_lerp(l, r, c->fx);
+    load_pair(g, how, x, yo, zo, m, &l, &r);
+    return vf_lerp(l, r, fx);
 }
 
 /** A row of a cell, interpolated along x. */
-VV_INLINE vf load_row(const vvi_lattice *g, int type, const cell_at *c, vi weights, vi yo, vi zo, vm m)
+VV_INLINE vf load_row(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vf fx, vi weights, vm m)
 {
-    if (is_integer(type))
-        return vf_from_vi(vi_madd16(load_pair_16(g, type, c->i + yo + zo, m), weights));
-    return row_of_floats(g, type, c, yo, zo, m);
+    if (is_integer(how))
+        return vf_from_vi(vi_madd16(load_pair_16(g, how, (spot){x + yo, zo}, m), weights));
+    return row_of_floats(g, how, x, yo, zo, fx, m);
 }
 
 /** The stored value at points inside the grid, trilinear or of the nearest sample. */
-VV_INLINE vf sample_value(const vvi_lattice *g, int type, bool nearest, vf3 p, vm m)
+VV_INLINE vf sample_value(const vvi_lattice *g, int how, bool nearest, vf3 p, vm m)
 {
+    if (how == VVI_SAMPLE_ANY)
+        return any_value(g, nearest, &p, m);
     if (nearest) {
         const cell_at s = find_sample(g, p);
-        return load_one(g, type, s.i, y_offset(g, s.j), z_offset(g, type, s.k), m);
+        const sample_place at = cell_place(g, how, &s, m);
+        return load_one(g, how, at.x, at.y, at.z, m);
     }
     const cell_at c = find_cell(g, p);
     const vi weights = row_weights(g, c.fx);
-    const vi y0 = y_offset(g, c.j), y1 = y0 + y_up(g);
-    const vi z0 = z_offset(g, type, c.k), z1 = z0 + z_up(g, type);
-    const vf a = vf_lerp(load_row(g, type, &c, weights, y0, z0, m), load_row(g, type, &c, weights, y1, z0, m), c.fy);
-    const vf b = vf_lerp(load_row(g, type, &c, weights, y0, z1, m), load_row(g, type, &c, weights, y1, z1, m), c.fy);
+    const sample_place at = cell_place(g, how, &c, m);
+    const vi y1 = at.y + y_up(g), z1 = at.z + z_up(g, how);
+    const vf a = vf_lerp(load_row(g, how, at.x, at.y, at.z, c.fx, weights, m),
+                         load_row(g, how, at.x, y1, at.z, c.fx, weights, m), c.fy);
+    const vf b = vf_lerp(load_row(g, how, at.x, at.y, z1, c.fx, weights, m),
+                         load_row(g, how, at.x, y1, z1, c.fx, weights, m), c.fy);
     const vf v = vf_lerp(a, b, c.fz);
-    return is_integer(type) ? vf_fma(v, vf_set1(row_scale(type)), vf_set1(row_shift(type))) : v;
+    return is_integer(how) ? vf_fma(v, vf_set1(row_scale(how)), vf_set1(row_shift(how))) : v;
 }
 
 /** Four neighbours along x, from x - 1 to x + 2; past the border the border's own sample again. */
-VV_INLINE void load_quad(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm first, vm last, vm m, vf v[4])
+VV_INLINE void load_quad(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vm first, vm last, vm m, vf v[4])
 {
     const vi one = vi_set1(1);
-    load_pair(g, type, x, yo, zo, m, &v[1], &v[2]);
-    if (type == VVI_SAMPLE_F32) {
+    load_pair(g, how, x, yo, zo, m, &v[1], &v[2]);
+    if (type_of(how) == VVI_SAMPLE_F32) {
         vf far[2]; /* as pairs, like the two in the middle: x - 1 with x, x + 1 with x + 2 */
-        load_pair(g, type, vi_select(first, x, x - one), yo, zo, m, &v[0], &far[0]);
-        load_pair(g, type, vi_select(last, x, x + one), yo, zo, m, &far[1], &v[3]);
+        load_pair(g, how, vi_select(first, x, x - one), yo, zo, m, &v[0], &far[0]);
+        load_pair(g, how, vi_select(last, x, x + one), yo, zo, m, &far[1], &v[3]);
     } else {
-        v[0] = load_one(g, type, vi_select(first, x, x - one), yo, zo, m);
-        v[3] = load_one(g, type, vi_select(last, x, x + one + one), yo, zo, m);
+        v[0] = load_one(g, how, vi_select(first, x, x - one), yo, zo, m);
+        v[3] = load_one(g, how, vi_select(last, x, x + one + one), yo, zo, m);
     }
     v[3] = vf_select(last, v[2], v[3]);
 }
@@ -284,47 +282,50 @@ VV_INLINE void find_rows(vi out[4], vi at, vi up, const axis_differences *d)
 }
 
 /** sample_gradient() where differences may be one-sided, and of all types. */
-VV_INLINE vf3 border_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+VV_INLINE vf3 border_gradient(const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
     const axis_differences dx = find_differences(c->i, g->n[0]);
     const axis_differences dy = find_differences(c->j, g->n[1]);
     const axis_differences dz = find_differences(c->k, g->n[2]);
+    const sample_place at = cell_place(g, how, c, m);
     vi y[4], z[4];
-    find_rows(y, y_offset(g, c->j), y_up(g), &dy);
-    find_rows(z, z_offset(g, type, c->k), z_up(g, type), &dz);
+    find_rows(y, at.y, y_up(g), &dy);
+    find_rows(z, at.z, z_up(g, how), &dz);
 
     vf in[2][2], gx[2][2]; /* [z][y]: value and x difference of the four rows through the cell */
     VV_UNROLL
     for (int i = 0; i < 4; i++) {
         vf q[4];
         const int b = i >> 1, a = i & 1;
-        load_quad(g, type, c->i, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
+        load_quad(g, how, at.x, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
         in[b][a] = vf_lerp(q[1], q[2], c->fx);
         gx[b][a] = difference(&dx, q[0], q[1], q[2], q[3], c->fx);
     }
     vf gy[2], gz[2]; /* at the two z, at the two y */
     VV_UNROLL
     for (int a = 0; a < 2; a++) {
-        gy[a] = difference(&dy, row_of_floats(g, type, c, y[0], z[a + 1], m), in[a][0], in[a][1],
-                           row_of_floats(g, type, c, y[3], z[a + 1], m), c->fy);
-        gz[a] = difference(&dz, row_of_floats(g, type, c, y[a + 1], z[0], m), in[0][a], in[1][a],
-                           row_of_floats(g, type, c, y[a + 1], z[3], m), c->fz);
+        gy[a] = difference(&dy, row_of_floats(g, how, at.x, y[0], z[a + 1], c->fx, m), in[a][0], in[a][1],
+                           row_of_floats(g, how, at.x, y[3], z[a + 1], c->fx, m), c->fy);
+        gz[a] = difference(&dz, row_of_floats(g, how, at.x, y[a + 1], z[0], c->fx, m), in[0][a], in[1][a],
+                           row_of_floats(g, how, at.x, y[a + 1], z[3], c->fx, m), c->fz);
     }
     return (vf3){vf_lerp(vf_lerp(gx[0][0], gx[0][1], c->fy), vf_lerp(gx[1][0], gx[1][1], c->fy), c->fz),
                  vf_lerp(gy[0], gy[1], c->fz), vf_lerp(gz[0], gz[1], c->fy)};
 }
 
 /** Differences over two voxels along x of the four samples from x - 1, and the row of the middle two. */
-VV_INLINE vi quad_differences(const vvi_lattice *g, int type, vi at, vi weights, vm m, vi *row)
+VV_INLINE vi quad_differences(const vvi_lattice *g, int how, spot s, vi weights, vm m, vi *row)
 {
     vi low, high; /* x - 1 and x, x + 1 and x + 2 */
-    if (type == VVI_SAMPLE_U8) {
-        const vi w = vi_gather(g->data, at - vi_set1(1), m);
+    s.at = s.at - vi_set1(1);
+    if (type_of(how) == VVI_SAMPLE_U8) {
+        vi w;
+        fetch_words(&w, NULL, g, how, &s, m);
         low = vi_bytes01(w);
         high = vi_bytes01(vi_shr_u(w, 16));
     } else {
-        vi_gather_pair2(g->data, at - vi_set1(1), m, &low, &high);
-        const vi flip = vi_set1(type == VVI_SAMPLE_U16 ? (int32_t)0x80008000 : 0);
+        fetch_words(&low, &high, g, how, &s, m);
+        const vi flip = vi_set1(type_of(how) == VVI_SAMPLE_U16 ? (int32_t)0x80008000 : 0);
         low = low ^ flip;
         high = high ^ flip;
     }
@@ -338,25 +339,39 @@ VV_INLINE vf inner_difference(vi below, vi a, vi b, vi above, vf f)
     return vf_lerp(vf_from_vi(b - below), vf_from_vi(above - a), f);
 }
 
+/* The spot `rows` further on in y and `slices` in z. */
+VV_INLINE spot beyond(const vvi_lattice *g, int how, spot s, int rows, int slices)
+{
+    const vi up = z_up(g, how), y = y_up(g);
+    vi *z = fetch_is_near(how >> FETCH_SHIFT) ? &s.at : &s.z;
+    for (int i = 0; i < (slices < 0 ? -slices : slices); i++)
+        *z = slices < 0 ? *z - up : *z + up;
+    for (int i = 0; i < (rows < 0 ? -rows : rows); i++)
+        s.at = rows < 0 ? s.at - y : s.at + y;
+    return s;
+}
+
 /** sample_gradient() of integers where no lane of m touches the border. */
-VV_INLINE vf3 inner_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+VV_INLINE vf3 inner_gradient(const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
     const vi weights = row_weights(g, c->fx);
-    const vi up_y = y_up(g), up_z = z_up(g, type);
-    const vi at = c->i + y_offset(g, c->j) + z_offset(g, type, c->k);
-    const vi at_y = at + up_y, at_z = at + up_z, at_yz = at_y + up_z;
+    const sample_place p = cell_place(g, how, c, m);
+    const bool near = fetch_is_near(how >> FETCH_SHIFT);
+    const spot at = {near ? p.x + p.y + p.z : p.x + p.y, near ? vi_set1(0) : p.z};
     vi in[2][2]; /* [z][y] */
-#define ROW(place) vi_madd16(load_pair_16(g, type, place, m), weights)
-    const vf gx0 = vf_lerp(vf_from_vi(quad_differences(g, type, at, weights, m, &in[0][0])),
-                           vf_from_vi(quad_differences(g, type, at_y, weights, m, &in[0][1])), c->fy);
-    const vf gx1 = vf_lerp(vf_from_vi(quad_differences(g, type, at_z, weights, m, &in[1][0])),
-                           vf_from_vi(quad_differences(g, type, at_yz, weights, m, &in[1][1])), c->fy);
-    const vf gy0 = inner_difference(ROW(at - up_y), in[0][0], in[0][1], ROW(at_y + up_y), c->fy);
-    const vf gy1 = inner_difference(ROW(at_z - up_y), in[1][0], in[1][1], ROW(at_yz + up_y), c->fy);
-    const vf gz0 = inner_difference(ROW(at - up_z), in[0][0], in[1][0], ROW(at_z + up_z), c->fz);
-    const vf gz1 = inner_difference(ROW(at_y - up_z), in[0][1], in[1][1], ROW(at_yz + up_z), c->fz);
+#define AT(rows, slices) beyond(g, how, at, rows, slices)
+#define ROW(rows, slices) vi_madd16(load_pair_16(g, how, AT(rows, slices), m), weights)
+    const vf gx0 = vf_lerp(vf_from_vi(quad_differences(g, how, at, weights, m, &in[0][0])),
+                           vf_from_vi(quad_differences(g, how, AT(1, 0), weights, m, &in[0][1])), c->fy);
+    const vf gx1 = vf_lerp(vf_from_vi(quad_differences(g, how, AT(0, 1), weights, m, &in[1][0])),
+                           vf_from_vi(quad_differences(g, how, AT(1, 1), weights, m, &in[1][1])), c->fy);
+    const vf gy0 = inner_difference(ROW(-1, 0), in[0][0], in[0][1], ROW(2, 0), c->fy);
+    const vf gy1 = inner_difference(ROW(-1, 1), in[1][0], in[1][1], ROW(2, 1), c->fy);
+    const vf gz0 = inner_difference(ROW(0, -1), in[0][0], in[1][0], ROW(0, 2), c->fz);
+    const vf gz1 = inner_difference(ROW(1, -1), in[0][1], in[1][1], ROW(1, 2), c->fz);
 #undef ROW
-    const vf scale = vf_set1(0.5f * row_scale(type));
+#undef AT
+    const vf scale = vf_set1(0.5f * row_scale(how));
     return vf3_scale((vf3){vf_lerp(gx0, gx1, c->fz), vf_lerp(gy0, gy1, c->fz), vf_lerp(gz0, gz1, c->fy)}, scale);
 }
 
@@ -373,7 +388,7 @@ VV_INLINE vm find_inner(const vvi_lattice *g, const cell_at *c)
 static __attribute__((noinline)) void border_gradient_of(float out[3][VV_WIDTH], const vvi_lattice *g, const cell_at *c,
                                                          vm m)
 {
-    const vf3 d = border_gradient(g, VVI_SAMPLE_WIDE, c, m);
+    const vf3 d = border_gradient(g, VVI_SAMPLE_ANY, c, m);
     vf_store(out[0], d.x);
     vf_store(out[1], d.y);
     vf_store(out[2], d.z);
@@ -384,13 +399,18 @@ static __attribute__((noinline)) void border_gradient_of(float out[3][VV_WIDTH],
  * interpolated like the value, which inside the grid is the central difference of the interpolated field over two
  * voxels.
  */
-VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
-    if (!is_integer(type))
-        return border_gradient(g, type, c, m);
+    if (how == VVI_SAMPLE_ANY) {
+        vf3 out;
+        any_gradient(&out, g, c, m);
+        return out;
+    }
+    if (!is_integer(how))
+        return border_gradient(g, how, c, m);
     /* lane by lane, whatever the other lanes do: a picture must not depend on who stands beside whom */
     const vm inner = vm_and(m, find_inner(g, c)), border = vm_andnot(m, inner);
-    vf3 d = inner_gradient(g, type, c, inner);
+    vf3 d = inner_gradient(g, how, c, inner);
     if (vm_any(border)) {
         float out[3][VV_WIDTH];
         border_gradient_of(out, g, c, border);
@@ -403,10 +423,10 @@ VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int type, const cell_at *c, 
 
 /** The derivative of the trilinear value itself: from the 8 corners of the cell alone, with a jump from cell to cell.
  */
-VV_INLINE vf3 cell_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+VV_INLINE vf3 cell_gradient(const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
     vf v[2][2][2];
-    load_corners(g, type, c, m, v);
+    load_corners(g, how, c, m, v);
     const vf x0 = vf_lerp(v[0][0][1] - v[0][0][0], v[0][1][1] - v[0][1][0], c->fy);
     const vf x1 = vf_lerp(v[1][0][1] - v[1][0][0], v[1][1][1] - v[1][1][0], c->fy);
     const vf a = vf_lerp(v[0][0][0], v[0][0][1], c->fx), b = vf_lerp(v[0][1][0], v[0][1][1], c->fx);
@@ -414,9 +434,10 @@ VV_INLINE vf3 cell_gradient(const vvi_lattice *g, int type, const cell_at *c, vm
     return (vf3){vf_lerp(x0, x1, c->fz), vf_lerp(b - a, e - d, c->fz), vf_lerp(d - a, e - b, c->fy)};
 }
 
-VV_INLINE vf3 gradient_by(bool of_cell, const vvi_lattice *g, int type, const cell_at *c, vm m)
+VV_INLINE vf3 gradient_by(bool of_cell, const vvi_lattice *g, int how, const cell_at *c, vm m)
 {
-    return of_cell ? cell_gradient(g, type, c, m) : sample_gradient(g, type, c, m);
+    return of_cell ? cell_gradient(g, how, c, m) : sample_gradient(g, how, c, m);
 }
 
+#include "render/march/any_simd.h"
 #endif

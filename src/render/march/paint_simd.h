@@ -5,7 +5,7 @@
 #ifndef VVI_RENDER_MARCH_PAINT_SIMD_H
 #define VVI_RENDER_MARCH_PAINT_SIMD_H
 #include "render/march/kernels.h"
-#include "render/march/value_simd.h"
+#include "render/march/lattice_simd.h"
 
 /** Premultiplied red, green, blue and alpha of one sample, 0 to 65535. */
 VV_INLINE void load_colors(vf out[4], const vvi_lattice *g, vi at, vm m)
@@ -36,7 +36,9 @@ static __attribute__((noinline)) void paint_colors(vf rgb[3], const vvi_paint *p
     const vvi_lattice *g = &paint->lattice;
     const vf one = vf_set1(1.0f), zero = vf_set1(0.0f);
     const cell_at c = paint->nearest ? find_sample(g, *p) : find_cell(g, *p);
-    const vi at = c.i + y_offset(g, c.j) + z_offset(g, VVI_SAMPLE_U16, c.k);
+    const sample_place first =
+        cell_place(g, VVI_SAMPLE_U16, &c, m); /* one array, whatever the volume's own samples are */
+    const vi at = first.x + first.y + first.z;
     vf sum[4] = {zero, zero, zero, zero};
     if (paint->nearest) {
         load_colors(sum, g, at, m);
@@ -71,7 +73,7 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *pain
     if (!vm_any(m))
         return;
     const vf3 at = clamp_to_grid(&paint->lattice, vf3_set(q[0], q[1], q[2]));
-    const vf value = paint->nearest ? value_nearest(&paint->lattice, &at, m) : value_linear(&paint->lattice, &at, m);
+    const vf value = any_value(&paint->lattice, paint->nearest, &at, m);
     const vf place = vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift));
     const vi entry = vi_shl(vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(paint->n_entries - 1)))), 2);
     m = vm_and(m, vf_eq(value, value));

@@ -21,8 +21,19 @@ typedef struct vvi_rays {
     int32_t pixel[VVI_RAY_BATCH]; /**< the caller's number; -1: nobody's, there to fill the group */
 } vvi_rays;
 
+/** What rays of a batch meet where their depths are, of a volume. */
+typedef struct vvi_hits {
+    int32_t volume[VVI_RAY_BATCH]; /**< vvi_march_volume.number; of several, of the one with most opacity there; -1: of
+                                        none, and all else here is void */
+    float value[VVI_RAY_BATCH];    /**< the stored number; of labels, that of the label */
+    float gradient[3][VVI_RAY_BATCH]; /**< world, as the volume's light has it (vvi_sampler.gradient_to_world) */
+    float normal[3][VVI_RAY_BATCH];   /**< world, length 1, on the ray's side: against the gradient, or of the face by
+                                           which the ray enters; 0: there is none */
+} vvi_hits;
+
 /** What has been found along the rays of a batch. */
 typedef struct vvi_sink {
+    vvi_hits *hits;               /**< the caller's room for them; NULL: they are not asked for */
     float rgb[3][VVI_RAY_BATCH];  /**< light that arrives at the origin */
     float through[VVI_RAY_BATCH]; /**< share of the light from behind that does */
     float depth[VVI_RAY_BATCH]; /**< world distance of the surface, of the extreme value, or of where half of the light

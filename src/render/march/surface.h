@@ -6,7 +6,7 @@
  */
 #ifndef VVI_RENDER_MARCH_SURFACE_H
 #define VVI_RENDER_MARCH_SURFACE_H
-#include "render/march/entry.h"
+#include "render/march/hits.h"
 #include "render/march/paint_simd.h"
 #include "render/march/shade_simd.h"
 #include "render/march/texture_simd.h"
@@ -219,7 +219,8 @@ VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const pack
                                     int type, const surface_side *side, vf s_out, vm run)
 {
     const vvi_lattice *g = &f->sampler.lattice;
-    const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
+    const sample_place at = find_place(g, type, w->cell[0], w->cell[1], w->cell[2], run);
+    const vf v = load_one(g, type, at.x, at.y, at.z, run);
     const vm in = vm_and(run, vm_and(vf_le(vf_set1(f->solid.lo), v), vf_le(v, vf_set1(f->solid.hi))));
     st->s = vf_select(in, w->s, st->s);
     st->sample.x = vf_select(in, vf_from_vi(w->cell[0]), st->sample.x);
@@ -330,6 +331,11 @@ VV_INLINE void surface_store(vvi_sink *out, const packet *r, const vvi_march_vol
         rgb[i] = vf_select(st->hit, rgb[i], zero);
     packet_store(out, r, f, at, rgb, vf_select(st->hit, zero, vf_set1(1.0f)),
                  vf_select(st->hit, st->s, vf_set1(-1.0f)));
+    if (!out->hits)
+        return;
+    const vf3 p = packet_point(r, st->s), met = f->sampler.nearest ? vf3_select(st->flat, p, st->sample) : p;
+    hits_begin(out, at);
+    find_hits(out, r, f, at, &st->s, &met, st->hit);
 }
 
 VV_INLINE void surface_packet(vvi_sink *out, const vvi_march_volume *f, const packet *r, size_t at, int type,

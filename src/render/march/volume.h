@@ -130,6 +130,7 @@ typedef struct vvi_light {
 } vvi_light;
 
 typedef struct vvi_march_volume {
+    int32_t number; /**< that hits are told by */
     vvi_sampler sampler;
     vvi_skipper skipper;
     vvi_classifier classifier;

@@ -204,6 +204,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
 {
     const vvi_ray_kernels *k = s->kernels;
     for (size_t i = 0; i < scene->n_actors; i++) {
+        s->volume[i].ray.number = (int32_t)i;
         const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
         if (st != VV_OK)
             return st;
@@ -222,6 +223,25 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         s->volume[i].ray.projection.by_value = i > 0 || s->n_layers < s->n_volumes || scene->n_mesh_actors;
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
     return VV_OK;
+}
+
+/* Bricks that kernels bring. */
+static void list_bricks(vvi_raycast_state *s)
+{
+    for (size_t i = 0; i < s->n_volumes; i++) {
+        const vvi_raycast_volume *v = &s->volume[i];
+        if (v->hold.lattice.fetch != VVI_FETCH_BRICKS)
+            continue;
+        vvi_bricks *bricks = vvi_cached_value(v->hold.cached);
+        size_t at = 0;
+        while (at < s->n_bricks && (uintptr_t)s->bricks[at] < (uintptr_t)bricks)
+            at++;
+        if (at < s->n_bricks && s->bricks[at] == bricks)
+            continue;
+        for (size_t k = s->n_bricks++; k > at; k--)
+            s->bricks[k] = s->bricks[k - 1];
+        s->bricks[at] = bricks;
+    }
 }
 
 vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *job)
@@ -246,6 +266,7 @@ vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *j
         return st;
     }
     choose_clouds(s);
+    list_bricks(s);
     *state_out = s;
     return VV_OK;
 }

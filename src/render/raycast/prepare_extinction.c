@@ -17,7 +17,7 @@ enum { MOST_SAMPLES = 4 };
 /* One volume as it takes light. */
 typedef struct taker {
     const vvi_raycast_volume *volume;
-    vvi_lattice_hold plain; /* of cubic volumes: samples instead of coefficients */
+    vvi_lattice_hold plain; /* of cubic volumes samples instead of coefficients, of bricks an array */
     const vvi_lattice *lattice;
     double to_stored, to_stored_shift; /* from the lattice's numbers to those that the classifier takes */
     float most;                        /* per world length */
@@ -64,7 +64,7 @@ static vv_status open_taker(taker *t, const vvi_raycast_volume *v, const vvi_lig
     vv_affine to_index;
     *t = (taker){.volume = v, .lattice = &h->lattice, .to_stored = 1};
     t->most = (float)(MOST_DEPTH / vvi_actor_voxel(v->actor));
-    if (v->ray.sampler.cubic) {
+    if (v->ray.sampler.cubic || h->lattice.fetch == VVI_FETCH_BRICKS) {
         if ((st = vvi_lattice_open(&t->plain, v->actor->field, v->actor->component, job)) != VV_OK)
             return st;
         t->lattice = &t->plain.lattice;

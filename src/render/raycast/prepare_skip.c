@@ -93,12 +93,12 @@ static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfe
 /* The value range of each block of a volume, and the key by which more is derived from it. */
 static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_job *job)
 {
-    const int64_t *n = v->hold.brick.box.n;
+    const int32_t *n = v->hold.lattice.n;
     const char *what = v->ray.sampler.cubic ? "minmax cubic" : "minmax";
     /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
-    const int shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
+    const int shift = (int64_t)n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
     *key_out = vvi_minmax_key(what, v->actor->field, v->actor->component, shift);
-    return v->minmax ? VV_OK : vvi_minmax_get(&v->minmax, key_out, &v->hold.brick, 0, shift, job);
+    return v->minmax ? VV_OK : vvi_minmax_get_lattice(&v->minmax, key_out, &v->hold, shift, job);
 }
 
 /* Of means and sums: what has more than one value, as far as the least and the largest tell, which leave out what is no

@@ -137,8 +137,9 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     vv_status st = check_interpolation(v);
     if (st != VV_OK)
         return st;
-    st = actor->cubic ? vvi_lattice_open_cubic(&v->hold, actor->field, actor->component, job)
-                      : vvi_lattice_open(&v->hold, actor->field, actor->component, job);
+    st = actor->cubic    ? vvi_lattice_open_cubic(&v->hold, actor->field, actor->component, job)
+         : actor->colors ? vvi_lattice_open(&v->hold, actor->field, actor->component, job) /* and theirs lie likewise */
+                         : vvi_lattice_open_somehow(&v->hold, actor->field, actor->component, job);
     if (st != VV_OK)
         return st;
     f->sampler.lattice = v->hold.lattice;

@@ -4,6 +4,7 @@
 #include "core/job.h"
 #include "registry.h"
 #include "render/raycast/prepare_light.h"
+#include "scene/label_ids.h"
 #include <math.h>
 #include <string.h>
 
@@ -65,10 +66,24 @@ typedef struct target {
     vv_render_counts *counts;
 } target;
 
+/* NULL: they are not asked for. */
+static void copy_hit(vvi_hits *to, const vvi_hits *from, size_t i)
+{
+    if (!to)
+        return;
+    to->volume[i] = from->volume[i];
+    to->value[i] = from->value[i];
+    for (int a = 0; a < 3; a++) {
+        to->gradient[a][i] = from->gradient[a][i];
+        to->normal[a][i] = from->normal[a][i];
+    }
+}
+
 /* The nearest surface of a volume along each ray, where the ray then ends. */
 static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_state *s, vv_render_counts *counts)
 {
-    vvi_sink other;
+    vvi_hits hits;
+    vvi_sink other = {.hits = near->hits ? &hits : NULL};
     bool first = true;
     for (size_t v = 0; v < s->n_volumes; v++) {
         if (!s->volume[v].solid || !s->volume[v].visible)
@@ -77,6 +92,7 @@ static void find_surfaces(vvi_sink *near, vvi_rays *rays, const vvi_raycast_stat
         s->volume[v].kernel(found, &s->volume[v].ray, rays, counts);
         for (size_t i = 0; i < rays->n; i++) {
             if (!first && other.depth[i] < near->depth[i]) {
+                copy_hit(near->hits, other.hits, i);
                 near->depth[i] = other.depth[i];
                 near->through[i] = other.through[i];
                 for (int c = 0; c < 3; c++)
@@ -94,6 +110,8 @@ static void clear(vvi_sink *sink, size_t n)
     for (size_t i = 0; i < n; i++) {
         sink->through[i] = 1;
         sink->depth[i] = INFINITY;
+        if (sink->hits)
+            sink->hits->volume[i] = -1;
     }
 }
 
@@ -108,8 +126,11 @@ static void find_opaque(vvi_mesh_sink *out, vvi_rays *rays, const vvi_raycast_st
     if (!s->meshes.n)
         return;
     vvi_ray_meshes_opaque(out, &s->meshes, rays);
-    for (size_t i = 0; i < rays->n; i++)
+    for (size_t i = 0; i < rays->n; i++) {
         rays->far[i] = (double)out->sink.depth[i];
+        if (out->sink.hits && out->id[i])
+            out->sink.hits->volume[i] = -1;
+    }
 }
 
 static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
@@ -118,7 +139,10 @@ static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
         for (int c = 0; c < 3; c++)
             front->rgb[c][i] += front->through[i] * behind->rgb[c][i];
         front->through[i] *= behind->through[i];
-        front->depth[i] = isfinite(front->depth[i]) ? front->depth[i] : behind->depth[i];
+        if (isfinite(front->depth[i]))
+            continue;
+        front->depth[i] = behind->depth[i];
+        copy_hit(front->hits, behind->hits, i);
     }
 }
 
@@ -141,7 +165,8 @@ static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_ray
 static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *rays, vv_render_counts *counts)
 {
     vvi_mesh_sink layer;
-    vvi_sink clouds;
+    vvi_hits hits;
+    vvi_sink clouds = {.hits = out->hits ? &hits : NULL};
     double end[VVI_RAY_BATCH] = {0};
     memcpy(end, rays->far, rays->n * sizeof *end);
     clear(out, rays->n);
@@ -177,11 +202,39 @@ static void store(const target *t, const vvi_rays *rays, const vvi_sink *sink)
     }
 }
 
+/* The data's value, as a label's number stands for the label. */
+static float hit_value(const vvi_raycast_volume *v, float stored)
+{
+    if (v->ids) {
+        const vvi_label_ids *ids = vvi_cached_value(v->ids);
+        const size_t number = stored < 0 ? 0 : (size_t)stored;
+        const vv_label_id id = number < ids->n ? ids->id[number] : 0;
+        return ids->is_unsigned ? (float)(uint64_t)id : (float)id;
+    }
+    return (float)((double)stored * v->hold.value_scale + v->hold.value_offset);
+}
+
+/* Layers of the pixels in which a volume is what is seen. */
+static void store_hits(const target *t, const vvi_raycast_state *s, const vvi_rays *rays, const vvi_hits *hits)
+{
+    for (size_t i = 0; i < rays->n; i++) {
+        if (rays->pixel[i] < 0 || hits->volume[i] < 0)
+            continue;
+        const size_t at = (size_t)rays->pixel[i];
+        if (t->image->id)
+            t->image->id[at] = (uint32_t)hits->volume[i] + 1;
+        if (t->image->value)
+            t->image->value[at] = hit_value(&s->volume[hits->volume[i]], hits->value[i]);
+        for (size_t c = 0; c < 3 && t->image->normal; c++)
+            t->image->normal[3 * at + c] = hits->normal[c][i];
+    }
+}
+
 /* Layers of the pixels in which a mesh is what is seen. */
 static void store_meshes(const target *t, const vvi_rays *rays, const vvi_sink *front, const vvi_mesh_sink *opaque)
 {
     for (size_t i = 0; i < rays->n; i++) {
-        if (rays->pixel[i] < 0 || !opaque->id[i] || front->depth[i] < opaque->sink.depth[i])
+        if (rays->pixel[i] < 0 || !opaque->id[i] || front->hits->volume[i] >= 0)
             continue;
         const size_t at = (size_t)rays->pixel[i];
         if (t->image->id)
@@ -200,15 +253,18 @@ static void put_layer(vvi_sink *below, const vvi_sink *layer, int blend, size_t 
         for (int c = 0; c < 3; c++)
             below->rgb[c][i] = layer->rgb[c][i] + through * below->rgb[c][i];
         below->through[i] *= layer->through[i];
-        if (isfinite(layer->depth[i]) && through <= 0.5f)
-            below->depth[i] = layer->depth[i];
+        if (!isfinite(layer->depth[i]) || through > 0.5f)
+            continue;
+        below->depth[i] = layer->depth[i];
+        copy_hit(below->hits, layer->hits, i);
     }
 }
 
 /* Layers are of whole rays, whatever else these meet. */
 static void draw_layers(vvi_sink *below, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
 {
-    vvi_sink layer;
+    vvi_hits hits;
+    vvi_sink layer = {.hits = below->hits ? &hits : NULL};
     for (size_t i = 0; i < s->n_volumes; i++) {
         const vvi_raycast_volume *v = &s->volume[i];
         if (!v->layer)
@@ -222,10 +278,14 @@ static void draw_layers(vvi_sink *below, const vvi_raycast_state *s, const vvi_r
 static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece)
 {
     const bool any_opaque = s->n_surfaces || s->meshes.n;
+    const bool layers = t->image->id || t->image->normal || t->image->value;
+    vvi_hits front_hits, opaque_hits;
     vvi_rays rays;
     vvi_mesh_sink opaque;
     vvi_sink front;
     double near[VVI_RAY_BATCH], far[VVI_RAY_BATCH];
+    opaque.sink.hits = layers ? &opaque_hits : NULL;
+    front.hits = layers ? &front_hits : NULL;
     s->kernels->eye(&rays, eye, piece);
     memcpy(near, rays.near, sizeof near);
     memcpy(far, rays.far, sizeof far);
@@ -243,8 +303,31 @@ static void draw(const vvi_raycast_state *s, const target *t, const vvi_eye *eye
         draw_layers(&front, s, &rays, t->counts);
     }
     store(t, &rays, &front);
-    if (any_opaque && s->meshes.n && (t->image->id || t->image->normal))
+    if (layers)
+        store_hits(t, s, &rays, &front_hits);
+    if (layers && s->meshes.n)
         store_meshes(t, &rays, &front, &opaque);
+}
+
+/* Where samples are brought when rays ask for them, and some did not fit, all is done again, with all of the room. */
+static vv_status draw_bringing(const vvi_raycast_state *s, const target *t, const vvi_eye *eye, const vv_tile *piece,
+                               vv_job *job)
+{
+    const uint64_t samples = t->counts->samples;
+    bool lacking = true;
+    vv_status st = VV_OK;
+    for (int alone = 0; alone < 2 && lacking && st == VV_OK; alone++) {
+        t->counts->samples = samples;
+        vvi_bricks_enter(s->bricks, s->n_bricks, alone, job);
+        draw(s, t, eye, piece);
+        st = vvi_bricks_leave(&lacking, s->bricks, s->n_bricks);
+    }
+    if (st == VV_OK && lacking)
+        return vv_fail(VV_E_LIMIT,
+                       "the parts of the data that %d x %d pixels show do not fit in memory together; raise "
+                       "the limit (--memory), or reduce the data",
+                       piece->x1 - piece->x0, piece->y1 - piece->y0);
+    return st;
 }
 
 static uint64_t pixels(const vv_tile *tile)
@@ -291,10 +374,13 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
         for (int32_t x = tile->x0; x < tile->x1; x += size) {
             const vv_tile piece = {x, y, x + size < tile->x1 ? x + size : tile->x1,
                                    y + size < tile->y1 ? y + size : tile->y1};
-            const vv_status st = vvi_job_poll(job);
+            vv_status st = vvi_job_poll(job);
             if (st != VV_OK)
                 return st;
-            draw(s, &t, &eye, &piece);
+            if (s->n_bricks && (st = draw_bringing(s, &t, &eye, &piece, job)) != VV_OK)
+                return st;
+            if (!s->n_bricks)
+                draw(s, &t, &eye, &piece);
         }
     return VV_OK;
 }
@@ -321,6 +407,7 @@ const vv_renderer vvi_renderer_raycast = {
     .params = &vvi_raycast_class,
     .takes = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
     .best_for = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
+    .can = VV_CAN_LAYERS,
     .accepts = accepts,
     .prepare = vvi_raycast_prepare,
     .render = render,

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
+#include "grid/bricks.h"
 #include "render/common/texture.h"
 #include "render/common/transfer_plane.h"
 #include "render/march/kernels.h"
@@ -77,9 +78,11 @@ typedef struct vvi_raycast_state {
     size_t n_layers;
     const vvi_raycast_volume *cloud; /**< the only cloud, if a kernel of one volume draws it */
     vvi_ray_meshes meshes;
-    vvi_light_volume light;   /**< how much of it arrives where; cells NULL: all */
-    struct vvi_cached *cells; /**< of it */
-    vvi_blend_setup blend;    /**< of the others; n_volumes 0: nothing to blend */
+    vvi_light_volume light;                /**< how much of it arrives where; cells NULL: all */
+    struct vvi_cached *cells;              /**< of it */
+    vvi_blend_setup blend;                 /**< of the others; n_volumes 0: nothing to blend */
+    vvi_bricks *bricks[VVI_BLEND_VOLUMES]; /**< of volumes that have some, each once, by their addresses */
+    size_t n_bricks;
 } vvi_raycast_state;
 
 /** Whether the kernel of one cloud or solid draws it. */

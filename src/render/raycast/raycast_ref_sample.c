@@ -4,21 +4,6 @@
 #include "render/raycast/raycast_ref.h"
 #include <math.h>
 
-static double stored(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
-{
-    const int64_t at = k * g->slice + j * g->row + i;
-    switch (g->sample_type) {
-    case VVI_SAMPLE_U8:
-        return ((const uint8_t *)g->data)[at];
-    case VVI_SAMPLE_U16:
-        return ((const uint16_t *)g->data)[at];
-    case VVI_SAMPLE_I16:
-        return ((const int16_t *)g->data)[at];
-    default:
-        return (double)((const float *)g->data)[at];
-    }
-}
-
 static int64_t clamped(double x, int64_t hi)
 {
     return x < 0 ? 0 : x > (double)hi ? hi : (int64_t)x;
@@ -56,7 +41,7 @@ typedef struct samples {
 
 static double sample_at(const samples *s, const int64_t p[3])
 {
-    const double v = stored(s->g, p[0], p[1], p[2]);
+    const double v = vvi_lattice_number(s->g, p[0], p[1], p[2]);
     return isnan(s->label) ? v : v == s->label;
 }
 
@@ -97,8 +82,8 @@ static double cell_difference(const vvi_lattice *g, bool nearest, const double p
         const int up = b | 1 << axis;
         const double weight = c.weight[b] + c.weight[up]; /* of the other two axes */
         if (b != up && weight != 0)
-            sum += weight * (stored(g, c.corner[up][0], c.corner[up][1], c.corner[up][2]) -
-                             stored(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]));
+            sum += weight * (vvi_lattice_number(g, c.corner[up][0], c.corner[up][1], c.corner[up][2]) -
+                             vvi_lattice_number(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]));
     }
     return sum;
 }
@@ -110,7 +95,7 @@ static double winning_label(const vvi_lattice *g, const double p[3])
     double best = -1, label = 0, v[8];
     find_cell(&c, g, false, p);
     for (int b = 0; b < 8; b++) /* a corner of no weight may lie beyond a flat axis */
-        v[b] = c.weight[b] > 0 ? stored(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]) : NAN;
+        v[b] = c.weight[b] > 0 ? vvi_lattice_number(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]) : NAN;
     for (int b = 0; b < 8; b++) {
         double sum = 0;
         for (int o = 0; o < 8; o++)

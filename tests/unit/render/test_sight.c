@@ -2,6 +2,8 @@
 #include "fields.h"
 #include "jobs.h"
 #include "model/context.h"
+#include "ray_scene.h"
+#include "render/pixel_value.h"
 #include "scene/lens.h"
 #include <math.h>
 #include <setjmp.h>
@@ -226,6 +228,94 @@ static void threads_change_no_number(void **state)
     vv_object_release(&world->base);
 }
 
+/* The layers of a picture by one build against the data, looked up in double precision where the depths are. */
+static size_t compare_with_the_data(vv_world *world, const char *cpu, const char *what, bool spline)
+{
+    const double h = 16.0 / 47;
+    vv_runtime_options options;
+    vv_runtime *runtime;
+    vv_job *job;
+    vv_scene *scene;
+    vvi_sight sight;
+    size_t n_hits = 0, n_other = 0;
+    vv_runtime_options_init(&options, sizeof options);
+    options.cpu = cpu;
+    assert_int_equal(vv_runtime_new(&runtime, &options), VV_OK);
+    assert_int_equal(vv_job_new(&job, runtime, NULL, NULL), VV_OK);
+    vv_image *image = picture_of(world, job);
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", job), VV_OK);
+    assert_int_equal(vvi_sight_open(&sight, scene, job), VV_OK);
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        const float *n = image->normal + 3 * i;
+        vvi_seen seen;
+        if (!isfinite(image->depth[i])) {
+            assert_true(image->id[i] == 0 && isnan(image->value[i]) && n[0] == 0 && n[1] == 0 && n[2] == 0);
+            continue;
+        }
+        assert_true(image->id[i] >= 1 && image->id[i] <= scene->n_actors);
+        vvi_sight_of(&seen, &sight, image->id[i], (double)(i % WIDTH) + 0.5, (double)(i / WIDTH) + 0.5,
+                     (double)image->depth[i]);
+        /* looked up linearly: h^2 / 8 times the sum of second derivatives, 2 / r, from the ball and its spline */
+        const double *at = &seen.index.x;
+        bool border = false; /* where a spline's coefficients are mirrored, which bends it */
+        for (int a = 0; a < 3; a++)
+            border = border || at[a] < 4 || at[a] > 43;
+        if (spline && border)
+            continue;
+        const double slack = spline ? 1.1 * h * h / 8 * 2 / fmax(RADIUS + seen.value, h) : 2e-4;
+        if (fabs((double)image->value[i] - seen.value) > slack)
+            fail_msg("%s, %s: pixel %zu has value %g, the data %g", cpu, what, i, (double)image->value[i], seen.value);
+        const double along = (double)n[0] * seen.normal.x + (double)n[1] * seen.normal.y + (double)n[2] * seen.normal.z;
+        n_other += along < 0.999; /* where the gradient jumps, or a face is entered at its edge */
+        n_hits++;
+    }
+    if (n_other > n_hits / 100)
+        fail_msg("%s, %s: %zu of %zu normals are others than those of the data", cpu, what, n_other, n_hits);
+    vvi_sight_close(&sight);
+    vv_scene_release(scene);
+    vv_image_release(image);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
+    return n_hits;
+}
+
+static void what_kernels_meet_is_what_the_data_are_there(void **state)
+{
+    static const char *const sets[][3] = {
+        {"a solid", "raycast.mode", "composite"},         {"an isosurface", "raycast.mode", "isosurface"},
+        {"a maximum", "raycast.mode", "maximum"},         {"a local maximum", "raycast.mode", "local-maximum"},
+        {"half of a cloud", "raycast.mode", "composite"}, {"a cloud and a solid", "raycast.mode", "composite"}};
+    (void)state;
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
+            for (int cubic = 0; cubic < 2; cubic++) {
+                vv_world *world = sphere();
+                char path[64], json[64];
+                if (cubic && (i == 2 || i == 3))
+                    continue; /* refused */
+                snprintf(path, sizeof path, "views.main.render.%s", sets[i][1]);
+                snprintf(json, sizeof json, "\"%s\"", sets[i][2]);
+                set(&world, path, json);
+                if (cubic)
+                    set(&world, "volumes.ball.interpolation", "\"cubic\"");
+                if (i == 1)
+                    set(&world, "views.main.render.raycast.iso", "-1.5");
+                if (i == 1 || i == 0)
+                    set(&world, "cut_planes", "[{\"normal\": [0, 1, 0.2], \"offset\": 9}]");
+                if (i >= 4)
+                    set(&world, "volumes.ball.segmentation",
+                        "{\"kind\": \"transfer\", \"transfer\": {\"opacity\": [[-5, 0.9], [-1, 0.3], [0, 0.01]], "
+                        "\"opacity_length\": 1}}");
+                if (i == 5)
+                    set(&world, "volumes.other",
+                        "{\"data\": \"ball\", \"place\": {\"position\": [6, 0, 0]}, \"segmentation\": "
+                        "{\"kind\": \"threshold\", \"threshold\": {\"lo\": -100, \"hi\": 0}}}");
+                const size_t n = compare_with_the_data(world, *cpu, sets[i][0], cubic);
+                assert_true(n > 200);
+                vv_object_release(&world->base);
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +325,7 @@ int main(void)
         cmocka_unit_test(of_several_volumes_each_has_its_number),
         cmocka_unit_test(a_label_is_told),
         cmocka_unit_test(threads_change_no_number),
+        cmocka_unit_test(what_kernels_meet_is_what_the_data_are_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
