@@ -95,7 +95,7 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
         return vv_fail_memory(sizeof *p);
     p->lighting = (vvi_gfx_lighting){.positions = mesh->positions,
                                      .normals = m->flat ? NULL : mesh->normals,
-                                     .colors = draw->surface.one_color ? NULL : mesh->colors,
+                                     .colors = draw->surface.one_color || draw->surface.textures ? NULL : mesh->colors,
                                      .triangles = mesh->triangles,
                                      .decode = p->decode,
                                      .opacity = (float)draw->surface.color.a,

@@ -17,6 +17,7 @@ typedef struct vvi_ray_mesh {
     vv_mesh_info shown;
     vvi_gfx_surface surface; /**< of `shown` */
     vv_affine to_mesh;       /**< from the world to its positions, without their origin */
+    vv_affine to_world;      /**< and back */
     double lo[3], hi[3];     /**< of them */
     bool translucent;
     vvi_gloss gloss;
@@ -28,6 +29,7 @@ typedef struct vvi_ray_meshes {
     size_t n;
     bool translucent; /**< some of them is */
     vvi_gfx_decode decode;
+    vvi_gfx_view view;             /**< of the scene's lens */
     const vvi_light_volume *light; /**< NULL: all light arrives everywhere */
 } vvi_ray_meshes;
 

@@ -30,7 +30,7 @@ static vv_mesh_info opened(const char *lie)
     if (is(lie, "unit"))
         memset(mesh.unit, 'x', sizeof mesh.unit);
     vvi_wire_put_text(&body, is(lie, "format") ? "none" : "ply");
-    vvi_wire_put_mesh(&body, &mesh, is(lie, "with") ? 8 : VVI_MESH_NORMALS);
+    vvi_wire_put_mesh(&body, &mesh, is(lie, "with") ? VVI_MESH_ALL + 1 : VVI_MESH_NORMALS);
     if (is(lie, "rest"))
         vvi_wire_put_number(&body, 1);
     vvi_wire_send(VVI_IMPORT_SOCKET, is(lie, "kind") ? VVI_WIRE_OPENED : VVI_WIRE_OPENED_MESH, &body, -1);
