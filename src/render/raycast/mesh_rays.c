@@ -13,12 +13,13 @@
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index, vv_job *job)
+/* owner: which of the scene's it belongs to, or is. */
+static vv_status open_mesh(vvi_ray_mesh *m, const vv_mesh_actor *actor, size_t owner, const vv_scene *scene,
+                           vv_job *job)
 {
-    const vv_mesh_actor *actor = &scene->mesh_actors[index];
     const vv_actor *look = &actor->look;
     *m = (vvi_ray_mesh){.actor = actor,
-                        .id = (uint32_t)(scene->n_actors + index + 1),
+                        .id = (uint32_t)(scene->n_actors + owner + 1),
                         .gloss = vvi_gloss_of(look->shading_model, look->ambient, look->diffuse, look->specular,
                                               look->shininess, scene->ambient)};
     m->surface = vvi_gfx_surface_of(&m->shown, actor);
@@ -37,19 +38,23 @@ static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index,
 
 vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job *job)
 {
-    const size_t bytes = scene->n_mesh_actors * sizeof *out->mesh;
     *out = (vvi_ray_meshes){.scene = scene};
     if (!scene->n_mesh_actors)
         return VV_OK;
+    vv_status st = vvi_mesh_caps_open(&out->caps, scene, job);
+    const size_t n_own = scene->n_mesh_actors, n = n_own + out->caps.n, bytes = n * sizeof *out->mesh;
+    if (st != VV_OK)
+        return st;
     if (!(out->mesh = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH)))
         return vv_fail_memory(bytes);
     vvi_gfx_decode_init(&out->decode);
     out->view = vvi_gfx_view_of(&scene->lens, scene->width, scene->height);
-    for (size_t i = 0; i < scene->n_mesh_actors; i++) {
-        if (!vv_mesh_get_info(scene->mesh_actors[i].mesh)->n_triangles)
+    for (size_t i = 0; i < n; i++) {
+        const bool own = i < n_own;
+        const vv_mesh_actor *actor = own ? &scene->mesh_actors[i] : &out->caps.actor[i - n_own];
+        if (!vv_mesh_get_info(actor->mesh)->n_triangles)
             continue;
-        const vv_status st = open_mesh(&out->mesh[out->n++], scene, i, job);
-        if (st != VV_OK)
+        if ((st = open_mesh(&out->mesh[out->n++], actor, own ? i : out->caps.owner[i - n_own], scene, job)) != VV_OK)
             return st;
         out->translucent |= out->mesh[out->n - 1].translucent;
     }
@@ -61,6 +66,7 @@ void vvi_ray_meshes_close(vvi_ray_meshes *meshes)
     for (size_t i = 0; i < meshes->n; i++)
         vvi_cache_release(meshes->mesh[i].tree);
     vvi_free(meshes->mesh);
+    vvi_mesh_caps_close(&meshes->caps);
     *meshes = (vvi_ray_meshes){0};
 }
 

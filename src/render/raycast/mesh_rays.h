@@ -7,6 +7,7 @@
 #include "gfx/lamp.h"
 #include "gfx/mesh_look.h"
 #include "render/common/light_volume.h"
+#include "render/common/mesh_caps.h"
 #include "render/march/rays.h"
 
 /** One mesh of a frame. */
@@ -25,7 +26,8 @@ typedef struct vvi_ray_mesh {
 
 typedef struct vvi_ray_meshes {
     const vv_scene *scene;
-    vvi_ray_mesh *mesh;
+    vvi_mesh_caps caps;
+    vvi_ray_mesh *mesh; /**< those of the scene, and their caps */
     size_t n;
     bool translucent; /**< some of them is */
     vvi_gfx_decode decode;
