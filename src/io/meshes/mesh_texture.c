@@ -1,4 +1,5 @@
 #include "io/meshes/mesh_texture.h"
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
 #include "io/image_source.h"
@@ -132,15 +133,30 @@ vv_status vvi_mesh_texture_encode(uint8_t **out, size_t *n_out, const vv_mesh_te
     return st;
 }
 
-/* "folder/a.obj" and "a.obj.gz" -> "a_0.png", of letters that no format would have to escape. */
+/* "folder/a.obj" -> "a_obj_0.png", of letters that no format would have to escape; another one than that of a.ply. */
 char *vvi_mesh_texture_name(const vv_sink *sink, size_t index)
 {
     const char *path = vvi_sink_name(sink), *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *dot = strchr(name + (name[0] == '.'), '.');
-    char *out = vvi_asprintf("%.*s_%zu.png", (int)(dot ? (size_t)(dot - name) : strlen(name)), name, index);
-    for (char *at = out; at && *at; at++)
-        *at = (char)(strchr(" %#?\"\\", *at) || (unsigned char)*at < ' ' ? '_' : *at);
+    char *out = vvi_asprintf("%s_%zu.png", name, index);
+    const size_t n = strlen(name);
+    for (size_t i = 0; out && out[i]; i++)
+        if ((i < n && out[i] == '.') || strchr(" %#?\"\\", out[i]) || (unsigned char)out[i] < ' ')
+            out[i] = '_';
     return out;
+}
+
+void vvi_mesh_texture_warn(const vv_sink *sink, const vv_mesh_info *m, bool clamp, const char *format,
+                           const vv_job *job)
+{
+    for (size_t i = 0; i < m->n_textures; i++) {
+        const int *wrap = m->textures[i].wrap;
+        const bool held = (wrap[0] == VV_WRAP_REPEAT && wrap[1] == VV_WRAP_REPEAT) ||
+                          (clamp && wrap[0] == VV_WRAP_CLAMP && wrap[1] == VV_WRAP_CLAMP);
+        if (!held)
+            vvi_log(job, VV_LOG_WARNING, "io",
+                    "%s: image %zu is %s beyond its borders, which %s cannot say: it repeats", vvi_sink_name(sink), i,
+                    wrap[0] == VV_WRAP_MIRROR ? "mirrored" : "continued", format);
+    }
 }
 
 vv_status vvi_mesh_texture_write(vv_sink *sink, const vv_mesh_info *m, size_t index, vv_job *job)

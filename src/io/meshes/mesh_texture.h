@@ -32,6 +32,9 @@ vv_status vvi_mesh_texture_find(size_t *texture_out, vvi_mesh_builder *b, const 
 vv_status vvi_mesh_texture_encode(uint8_t **out, size_t *n_out, const vv_mesh_texture *texture, vv_job *job);
 /** Such a file beside `sink`, which is called after its file and the number of the texture. */
 vv_status vvi_mesh_texture_write(vv_sink *sink, const vv_mesh_info *mesh, size_t index, vv_job *job);
+/** Warns where images go on beyond their borders as a format cannot say, which repeats them; clamp: it can say that. */
+void vvi_mesh_texture_warn(const vv_sink *sink, const vv_mesh_info *mesh, bool clamp, const char *format,
+                           const vv_job *job);
 /** That name; yours to free(). */
 char *vvi_mesh_texture_name(const vv_sink *sink, size_t index);
 #endif

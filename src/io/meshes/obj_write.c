@@ -104,6 +104,8 @@ static vv_status write_library(vv_sink *sink, const vv_mesh_info *m, bool *named
     vv_status st = vvi_sink_beside_on_line(&library, sink, name);
     if (st == VV_OK && (st = write_materials(library, sink, m)) == VV_OK)
         st = vvi_sink_printf(sink, "mtllib %s\n", name);
+    if (m->coordinates)
+        vvi_mesh_texture_warn(sink, m, true, "OBJ", job);
     for (size_t i = 0; i < m->n_textures && st == VV_OK && m->coordinates; i++)
         st = vvi_mesh_texture_write(sink, m, i, job);
     *named = st == VV_OK;

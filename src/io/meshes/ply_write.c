@@ -248,6 +248,8 @@ vv_status vvi_ply_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
         .numbered = m->n_textures && m->coordinates && !alone,
         .job = job,
     };
+    if (w.numbered)
+        vvi_mesh_texture_warn(sink, m, false, "PLY", job);
     vv_status st = write_header(&w, options->encoding);
     for (size_t i = 0; i < m->n_textures && w.numbered && st == VV_OK; i++)
         st = vvi_mesh_texture_write(sink, m, i, job);
