@@ -6,6 +6,7 @@ vvi_gfx_surface vvi_gfx_surface_of(vv_mesh_info *shown, const vv_mesh_actor *act
 {
     const float *c = actor->look.color;
     const bool plain = actor->textures && !actor->one_color && !actor->colors;
+    const bool by_value = actor->colors && !actor->one_color && actor->look.classes.n_color;
     *shown = *vv_mesh_get_info(actor->mesh);
     if (actor->colors)
         shown->colors = actor->colors;
@@ -15,6 +16,8 @@ vvi_gfx_surface vvi_gfx_surface_of(vv_mesh_info *shown, const vv_mesh_actor *act
                              .place = actor->place,
                              .color = {(double)c[0], (double)c[1], (double)c[2], actor->opacity},
                              .one_color = actor->one_color,
+                             .ramp = by_value ? actor->look.classes.color : NULL,
+                             .n_ramp = by_value ? actor->look.classes.n_color : 0,
                              .textures = plain ? vvi_cached_value(actor->textures) : NULL};
 }
 
@@ -87,6 +90,32 @@ static vv_color vertex_color(const vv_mesh_info *mesh, const vvi_gfx_decode *dec
     return c;
 }
 
+void vvi_gfx_ramp_color(double rgb[3], const vvi_gfx_surface *surface, double value)
+{
+    const double *rows = surface->ramp;
+    size_t lo = 0, hi = surface->n_ramp; /* the first row above the value is one of lo .. hi */
+    while (lo < hi) {
+        const size_t middle = (lo + hi) / 2;
+        if (rows[4 * middle] > value)
+            hi = middle;
+        else
+            lo = middle + 1;
+    }
+    const double *after = rows + 4 * (lo < surface->n_ramp ? lo : surface->n_ramp - 1),
+                 *before = rows + 4 * (lo > 0 ? lo - 1 : 0);
+    const double share = after[0] > before[0] ? (value - before[0]) / (after[0] - before[0]) : 0;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = before[1 + c] + share * (after[1 + c] - before[1 + c]);
+}
+
+static double value_at(const vv_mesh_info *m, uint32_t triangle, const double share[3])
+{
+    double sum = 0;
+    for (size_t k = 0; k < 3; k++)
+        sum += share[k] * (double)m->values[m->triangles[3 * (size_t)triangle + k]];
+    return sum;
+}
+
 static void texture_color(double rgba[4], const vvi_gfx_surface *surface, size_t texture, uint32_t triangle,
                           const double share[3], const double slope[2][3])
 {
@@ -110,8 +139,12 @@ void vvi_gfx_color_at(double out[4], const vvi_gfx_surface *surface, const vvi_g
     const vv_mesh_part *part = mesh->parts && !surface->one_color ? part_at(mesh, triangle) : NULL;
     const size_t texture = part && surface->textures ? part->texture : 0;
     vv_color c = surface->color;
-    const double opacity = c.a;
-    if (!surface->one_color && mesh->colors)
+    const double opacity = c.a, value = surface->ramp ? value_at(mesh, triangle, share) : NAN;
+    if (isfinite(value)) {
+        double rgb[3];
+        vvi_gfx_ramp_color(rgb, surface, value);
+        c = (vv_color){rgb[0], rgb[1], rgb[2], 1};
+    } else if (!surface->one_color && mesh->colors)
         c = vertex_color(mesh, decode, triangle, share);
     else if (part && part->color.a >= 0)
         c = part->color;

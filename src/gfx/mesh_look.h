@@ -21,6 +21,9 @@ void vvi_gfx_share_slopes(double out[2][3], const vvi_gfx_view *view, vv_vec3 st
 void vvi_gfx_color_at(double rgba_out[4], const vvi_gfx_surface *surface, const vvi_gfx_decode *decode,
                       uint32_t triangle, const double share[3], const double slope[2][3]);
 
+/** The colour of a value by the surface's ramp, whose ends hold beyond it; of two rows at one value the later. */
+void vvi_gfx_ramp_color(double rgb_out[3], const vvi_gfx_surface *surface, double value);
+
 /** The normal of the front there where the mesh is placed, length 1: that of the vertices, flat: of the triangle, as
  * where these have none; false: it has no area, and none is known. */
 bool vvi_gfx_normal_at(vv_vec3 *out, const vv_mesh_info *mesh, const vv_affine *place, uint32_t triangle,

@@ -14,7 +14,7 @@ static vv_vec3 mean(const vv_vec3 v[3], const double share[3])
     return vvi_add(vvi_add(vvi_scaled(v[0], share[0]), vvi_scaled(v[1], share[1])), vvi_scaled(v[2], share[2]));
 }
 
-/* From the eye. */
+/* From the eye; the way has any length. */
 static void meet(vv_vec3 *start, vv_vec3 *way, vv_vec3 corner[3], const vvi_gfx_draw *draw, uint32_t triangle, double x,
                  double y)
 {
@@ -24,7 +24,6 @@ static void meet(vv_vec3 *start, vv_vec3 *way, vv_vec3 corner[3], const vvi_gfx_
                                    vvi_scaled(view->lens.up, (view->middle_y - y) / view->scale_y));
     *way = view->lens.parallel ? view->lens.forward : vvi_add(view->lens.forward, across);
     *start = view->lens.parallel ? across : vvi_vec(0, 0, 0);
-    vvi_unit(way);
     for (size_t k = 0; k < 3; k++)
         corner[k] =
             vv_affine_point(draw->to_eye, vector_at(mesh->positions, mesh->triangles[3 * (size_t)triangle + k]));
@@ -50,6 +49,7 @@ void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
     vv_vec3 start, way, corner[3], n;
     double share[3], rgba[4];
     meet(&start, &way, corner, draw, f->triangle, (double)f->x, (double)f->y);
+    vvi_unit(&way);
     vvi_gfx_shares(share, start, way, corner);
     const vv_vec3 place = mean(corner, share), to_eye = vvi_scaled(way, -1);
     const bool known = vvi_gfx_normal_at(&n, draw->surface.mesh, &draw->to_eye, f->triangle, share, m->flat);

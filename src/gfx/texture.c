@@ -12,7 +12,7 @@ enum { PLACES_MOST = 8 };
 static void drop(void *value)
 {
     vvi_gfx_textures *all = value;
-    for (size_t i = 0; i < all->n; i++)
+    for (size_t i = 0; all->texture && i < all->n; i++)
         vvi_free(all->texture[i].texels);
     vvi_free(all->texture);
     vvi_free(all);
@@ -158,7 +158,8 @@ void vvi_gfx_texture_at(double rgba[4], const vvi_gfx_textures *textures, size_t
     const vvi_gfx_decode *decode = &textures->decode;
     const double a[2] = {across[0][0] * t->n[0][0], across[0][1] * t->n[0][1]},
                  b[2] = {across[1][0] * t->n[0][0], across[1][1] * t->n[0][1]};
-    const double side[2] = {hypot(a[0], a[1]), hypot(b[0], b[1])}, area = fabs(a[0] * b[1] - a[1] * b[0]);
+    const double side[2] = {sqrt(a[0] * a[0] + a[1] * a[1]), sqrt(b[0] * b[0] + b[1] * b[1])},
+                 area = fabs(a[0] * b[1] - a[1] * b[0]);
     const int longer = side[1] > side[0];
     const double most = side[longer], least = most > 0 ? area / most : 0;
     int places = 1;

@@ -157,6 +157,20 @@ def test_colours_are_the_volumes_the_vertices_or_of_the_values():
     says(fails(2, "render", "plain.ply", *FLAT, "--tf", "gray", "-o", "no.png"), "no values")
 
 
+def test_values_have_their_colours_between_vertices_too():
+    """Of two vertices 0 and 1 whose colours are red and blue the middle is green where the map has green there."""
+    write_ply("value.ply", *square(), ("float quality",), ["0", "1", "1", "0"])
+    decode = lambda v: numpy.where(v <= 10.31475, v / 3294.6, ((v / 255 + 0.055) / 1.055) ** 2.4)
+    for method in ("surface", "raycast"):
+        render("value.ply", *FLAT, "--size", "151x151", "--spp", 1, "--method", method, "--tf", "0:1#ff0000 0.5:1#00ff00 1:1#0000ff")
+        row = decode(pixels("out.png")[75].astype(float))
+        x = numpy.nonzero(row.max(axis=1))[0]
+        value = (x + 0.5 - 75.5) / 75.5 + 0.5
+        value = value if row[x[0], 0] > 0.5 else 1 - value
+        want = numpy.stack([numpy.maximum(1 - 2 * value, 0), 1 - abs(2 * value - 1), numpy.maximum(2 * value - 1, 0)], axis=1)
+        assert len(x) > 60 and abs(row[x] - want).max() < 0.012, (method, abs(row[x] - want).max())
+
+
 def test_values_that_most_vertices_share_give_no_colours():
     places, triangles = sphere(1)
     def colors(values, *words):

@@ -110,13 +110,17 @@ static vv_affine tidy(vv_affine a)
 
 /* Vertices -------------------------------------------------------------------------------------------------------- */
 
-static bool same_map(const vv_affine *a, const vv_affine *b)
+static bool same_numbers(const double *p, const double *q, size_t n)
 {
-    const double *const p = &a->axis[0].x, *const q = &b->axis[0].x;
-    for (size_t i = 0; i < sizeof *a / sizeof *p; i++)
+    for (size_t i = 0; i < n; i++)
         if (p[i] != q[i])
             return false;
     return true;
+}
+
+static bool same_map(const vv_affine *a, const vv_affine *b)
+{
+    return same_numbers(&a->axis[0].x, &b->axis[0].x, sizeof *a / sizeof a->axis[0].x);
 }
 
 /* Of an attribute that is not there the number is 0. */
@@ -126,8 +130,8 @@ static bool same_attributes(const reader *r, const attributes *a, const vv_affin
     return l->has_position && a->has_position && l->position == a->position && l->has_normal == a->has_normal &&
            l->normal == a->normal && l->has_color == a->has_color && l->color == a->color &&
            l->has_value == a->has_value && l->value == a->value && l->has_coordinate == a->has_coordinate &&
-           l->coordinate == a->coordinate && (!r->any_colors || memcmp(l->factor, a->factor, sizeof a->factor) == 0) &&
-           memcmp(l->to_image, a->to_image, sizeof a->to_image) == 0 && same_map(&r->last_map, map);
+           l->coordinate == a->coordinate && (!r->any_colors || same_numbers(l->factor, a->factor, 4)) &&
+           same_numbers(l->to_image[0], a->to_image[0], 6) && same_map(&r->last_map, map);
 }
 
 static vv_status put_places(reader *r, const attributes *a, const vv_affine *map)

@@ -77,8 +77,11 @@ static vv_status color_parts(vv_mesh_actor *cap, const vv_mesh_actor *actor, vv_
     if (!parts)
         return vv_fail_memory(bytes);
     memcpy(parts, m->parts, bytes);
-    for (size_t i = 0; i < m->n_parts; i++)
+    for (size_t i = 0; i < m->n_parts; i++) { /* that of an image's part is a factor of it */
         parts[i].color = shown[i].color;
+        if (shown[i].texture)
+            parts[i].color.a = -1;
+    }
     return VV_OK;
 }
 
@@ -132,7 +135,7 @@ vv_status vvi_mesh_caps_open(vvi_mesh_caps *out, const vv_scene *scene, vv_job *
         n += scene->mesh_actors[i].look.cap ? scene->mesh_actors[i].look.n_planes : 0;
     if (!n)
         return VV_OK;
-    const size_t bytes = n * (sizeof *out->actor + sizeof *out->owner + sizeof(void *));
+    const size_t bytes = n * sizeof *out->actor;
     out->actor = vvi_alloc_zeroed(job, n * sizeof *out->actor, VVI_MEM_SCRATCH);
     out->owner = vvi_alloc(job, n * sizeof *out->owner, VVI_MEM_SCRATCH);
     out->section = vvi_alloc_zeroed(job, n * sizeof *out->section, VVI_MEM_SCRATCH);
