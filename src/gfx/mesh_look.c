@@ -140,7 +140,7 @@ void vvi_gfx_color_at(double out[4], const vvi_gfx_surface *surface, const vvi_g
     const size_t texture = part && surface->textures ? part->texture : 0;
     vv_color c = surface->color;
     const double opacity = c.a, value = surface->ramp ? value_at(mesh, triangle, share) : NAN;
-    if (isfinite(value)) {
+    if (surface->ramp && isfinite(value)) {
         double rgb[3];
         vvi_gfx_ramp_color(rgb, surface, value);
         c = (vv_color){rgb[0], rgb[1], rgb[2], 1};

@@ -156,7 +156,7 @@ static void name_part(vv_picked *out, const vv_mesh_info *m, uint32_t triangle)
 static const vv_mesh_actor *drawn_shape(const picking *p, size_t i)
 {
     const size_t n = p->scene->n_mesh_actors;
-    return i < n ? &p->scene->mesh_actors[i] : &p->caps.actor[i - n];
+    return i < n ? &p->scene->mesh_actors[i] : &p->caps.cap[i - n].actor;
 }
 
 static void take_hit(vv_picked *out, const picking *p, const vvi_gfx_picked *at)
@@ -165,7 +165,7 @@ static void take_hit(vv_picked *out, const picking *p, const vvi_gfx_picked *at)
     const size_t i = at->id - scene->n_actors - 1, n = scene->n_mesh_actors;
     const vv_mesh_actor *shape = drawn_shape(p, i);
     vv_affine to_mesh;
-    out->id = (uint32_t)(scene->n_actors + (i < n ? i : p->caps.owner[i - n]) + 1);
+    out->id = (uint32_t)(scene->n_actors + (i < n ? i : p->caps.cap[i - n].owner) + 1);
     out->volume = shape->look.id;
     out->is_mesh = true;
     out->triangle = i < n ? at->primitive : VV_NO_TRIANGLE;

@@ -113,10 +113,8 @@ static vv_status add_cap(vvi_mesh_caps *caps, const vv_scene *scene, size_t owne
         vvi_cache_release(cached);
         return VV_OK;
     }
-    vv_mesh_actor *cap = &caps->actor[caps->n];
-    caps->section[caps->n] = cached;
-    caps->owner[caps->n++] = owner;
-    *cap = *actor;
+    caps->cap[caps->n] = (vvi_mesh_cap){.actor = *actor, .owner = owner, .section = cached};
+    vv_mesh_actor *cap = &caps->cap[caps->n++].actor;
     cap->mesh = mesh;
     cap->colors = NULL;
     cap->parts = NULL;
@@ -135,12 +133,9 @@ vv_status vvi_mesh_caps_open(vvi_mesh_caps *out, const vv_scene *scene, vv_job *
         n += scene->mesh_actors[i].look.cap ? scene->mesh_actors[i].look.n_planes : 0;
     if (!n)
         return VV_OK;
-    const size_t bytes = n * sizeof *out->actor;
-    out->actor = vvi_alloc_zeroed(job, n * sizeof *out->actor, VVI_MEM_SCRATCH);
-    out->owner = vvi_alloc(job, n * sizeof *out->owner, VVI_MEM_SCRATCH);
-    out->section = vvi_alloc_zeroed(job, n * sizeof *out->section, VVI_MEM_SCRATCH);
-    if (!out->actor || !out->owner || !out->section)
-        return vv_fail_memory(bytes);
+    out->cap = vvi_alloc_zeroed(job, n * sizeof *out->cap, VVI_MEM_SCRATCH);
+    if (!out->cap)
+        return vv_fail_memory(n * sizeof *out->cap);
     for (size_t i = 0; i < scene->n_mesh_actors; i++) {
         const vv_actor *look = &scene->mesh_actors[i].look;
         for (size_t p = 0; look->cap && p < look->n_planes && st == VV_OK; p++)
@@ -152,12 +147,10 @@ vv_status vvi_mesh_caps_open(vvi_mesh_caps *out, const vv_scene *scene, vv_job *
 void vvi_mesh_caps_close(vvi_mesh_caps *caps)
 {
     for (size_t i = 0; i < caps->n; i++) {
-        vvi_cache_release(caps->section[i]);
-        vvi_free(caps->actor[i].look.planes);
-        vvi_free((void *)caps->actor[i].parts);
+        vvi_cache_release(caps->cap[i].section);
+        vvi_free(caps->cap[i].actor.look.planes);
+        vvi_free((void *)caps->cap[i].actor.parts);
     }
-    vvi_free(caps->actor);
-    vvi_free(caps->owner);
-    vvi_free(caps->section);
+    vvi_free(caps->cap);
     *caps = (vvi_mesh_caps){0};
 }

@@ -7,11 +7,15 @@
 #include "core/status.h"
 #include <volvis/sys/scene.h>
 
+typedef struct vvi_mesh_cap {
+    vv_mesh_actor actor; /**< in the colours of parts, else in the volume's own; cut by all planes but its own */
+    size_t owner;        /**< which of the scene's meshes */
+    struct vvi_cached *section;
+} vvi_mesh_cap;
+
 typedef struct vvi_mesh_caps {
-    vv_mesh_actor *actor; /**< in the colours of parts, else in the volume's own; cut by all planes but its own */
-    size_t *owner;        /**< of each: which of the scene's meshes */
+    vvi_mesh_cap *cap;
     size_t n;
-    struct vvi_cached **section; /**< of each */
 } vvi_mesh_caps;
 
 /** Of all meshes of a scene with shading.cap; that one is open where it is cut, and hollow there, is a warning. Errors:

@@ -51,10 +51,11 @@ vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job
     out->view = vvi_gfx_view_of(&scene->lens, scene->width, scene->height);
     for (size_t i = 0; i < n; i++) {
         const bool own = i < n_own;
-        const vv_mesh_actor *actor = own ? &scene->mesh_actors[i] : &out->caps.actor[i - n_own];
+        const vv_mesh_actor *actor = own ? &scene->mesh_actors[i] : &out->caps.cap[i - n_own].actor;
         if (!vv_mesh_get_info(actor->mesh)->n_triangles)
             continue;
-        if ((st = open_mesh(&out->mesh[out->n++], actor, own ? i : out->caps.owner[i - n_own], scene, job)) != VV_OK)
+        if ((st = open_mesh(&out->mesh[out->n++], actor, own ? i : out->caps.cap[i - n_own].owner, scene, job)) !=
+            VV_OK)
             return st;
         out->translucent |= out->mesh[out->n - 1].translucent;
     }

@@ -291,8 +291,8 @@ static vv_status draw_shapes(vvi_gfx *gfx, const vvi_surface_state *s)
     for (size_t i = 0; i < s->scene->n_mesh_actors && st == VV_OK; i++)
         st = draw_shape(gfx, &s->shown[i], &s->scene->mesh_actors[i], (uint32_t)(s->scene->n_actors + i + 1));
     for (size_t i = 0; i < s->caps.n && st == VV_OK; i++)
-        st = draw_shape(gfx, &s->shown[s->scene->n_mesh_actors + i], &s->caps.actor[i],
-                        (uint32_t)(s->scene->n_actors + s->caps.owner[i] + 1));
+        st = draw_shape(gfx, &s->shown[s->scene->n_mesh_actors + i], &s->caps.cap[i].actor,
+                        (uint32_t)(s->scene->n_actors + s->caps.cap[i].owner + 1));
     return st;
 }
 
