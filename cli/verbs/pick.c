@@ -102,7 +102,9 @@ static void report_json(vvi_result *json, const vv_picked *p, const vv_world *wo
     }
     if (p->is_mesh) {
         vvi_result_string(json, "part", p->part);
-        vvi_result_unsigned(json, "triangle", p->triangle);
+        vvi_result_bool(json, "cut", p->triangle == VV_NO_TRIANGLE);
+        if (p->triangle != VV_NO_TRIANGLE)
+            vvi_result_unsigned(json, "triangle", p->triangle);
     }
     if (p->labelled)
         vvi_result_label(json, "label", p->label, p->label_unsigned);
@@ -125,7 +127,10 @@ static void report_mesh(cli_command *command, const vv_picked *p)
 {
     if (*p->part)
         cli_command_line(command, "part", "%s", p->part);
-    cli_command_line(command, "triangle", "%" PRIu32, p->triangle);
+    if (p->triangle == VV_NO_TRIANGLE)
+        cli_command_line(command, "triangle", "none: the face of a cut");
+    else
+        cli_command_line(command, "triangle", "%" PRIu32, p->triangle);
     if (isfinite(p->value))
         cli_command_line(command, "value", "%.6g", p->value);
     cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);

@@ -8,11 +8,25 @@ VV_BEGIN_DECLS
 
 typedef struct vv_mesh vv_mesh;
 
+/** How an image goes on beyond its borders. */
+typedef enum vv_texture_wrap { VV_WRAP_REPEAT, VV_WRAP_MIRROR, VV_WRAP_CLAMP } vv_texture_wrap;
+
+/** An image on triangles. */
+typedef struct vv_mesh_texture {
+    char name[64];         /**< of its file; "" when it has none */
+    int32_t width, height; /**< at least 1 */
+    int wrap[2];           /**< vv_texture_wrap along u and along v */
+    const uint8_t *pixels; /**< red, green, blue, alpha of each, sRGB, as `colors` below; rows from the top */
+} vv_mesh_texture;
+
 /** A run of triangles that is one object. */
 typedef struct vv_mesh_part {
     char name[64];  /**< "" when it has none */
     vv_color color; /**< linear, of triangles whose vertices have no colours of their own; a < 0: none is given */
     size_t first_triangle, n_triangles;
+    /** 1 + number of the texture by which the colours of its triangles are multiplied (those of vertices, else its own,
+     * else white); 0: none. */
+    size_t texture;
 } vv_mesh_part;
 
 /** What a mesh is, and its arrays, which live as long as the mesh. Place of a vertex = origin + position. */
@@ -32,6 +46,13 @@ typedef struct vv_mesh_info {
     char unit[16];       /**< of lengths, as in vv_grid */
     char value_name[64]; /**< what `values` are; "" when not known */
     char value_unit[16];
+    size_t n_coordinates;
+    const float *coordinates; /**< u v each, on textures: (0, 0) is the lower left corner of an image, (1, 1) the upper
+                                 right one; NULL: none */
+    const uint32_t *coordinate_of; /**< which of them the three corners of each triangle have; NULL: each vertex has the
+                                      one of its number */
+    size_t n_textures;
+    const vv_mesh_texture *textures; /**< NULL: none */
 } vv_mesh_info;
 
 /**
@@ -40,8 +61,8 @@ typedef struct vv_mesh_info {
  * none.
  *
  * Errors   VV_E_ARGUMENT (a position or normal that is not finite, a triangle of a vertex that there is not, parts that
- *          do not follow each other or leave out triangles, texts without an end), VV_E_LIMIT (2^32 vertices or
- *          triangles and more), VV_E_MEMORY
+ *          do not follow each other or leave out triangles, coordinates and textures that there are not, texts without
+ *          an end), VV_E_LIMIT (2^32 vertices or triangles and more), VV_E_MEMORY
  * Owns     *out is new and yours; on error it is NULL. Arrays and texts are copied before this returns
  */
 VV_API vv_status vv_mesh_new(vv_mesh **out, const vv_mesh_info *info, vv_job *job);

@@ -146,7 +146,6 @@ typedef enum vv_texture_kind {
 } vv_texture_kind;
 
 typedef enum vv_texture_mapping { VV_MAP_PLANAR, VV_MAP_CYLINDRICAL, VV_MAP_SPHERICAL } vv_texture_mapping;
-typedef enum vv_texture_wrap { VV_WRAP_REPEAT, VV_WRAP_MIRROR, VV_WRAP_CLAMP } vv_texture_wrap;
 typedef enum vv_texture_apply { VV_APPLY_MODULATE, VV_APPLY_REPLACE } vv_texture_apply;
 
 /** An image, or a pattern that fills space, on the colours of a volume. */

@@ -11,6 +11,8 @@ typedef struct vv_pixel {
     int32_t x, y;
 } vv_pixel;
 
+#define VV_NO_TRIANGLE UINT32_MAX
+
 /** What is seen through the middle of a pixel. Without a hit all but pixel and colour is empty. */
 typedef struct vv_picked {
     vv_pixel pixel;
@@ -27,7 +29,7 @@ typedef struct vv_picked {
     vv_label_id label;
     bool is_mesh;        /**< the volume shows a mesh: index is a place in its own space, value that of its vertices, or
                               NaN, there are no gradient and label */
-    uint32_t triangle;   /**< of the mesh, from 0 */
+    uint32_t triangle;   /**< of the mesh, from 0; VV_NO_TRIANGLE on the face of a cut */
     char part[64];       /**< name of the part that it is of; "" without one */
     float rgba[4];       /**< light of the pixel before the background: linear, premultiplied */
     bool label_unsigned; /**< the label is the bits of uint64_t */

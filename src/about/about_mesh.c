@@ -32,6 +32,8 @@ static void tell_keys(vv_answer *a, const vv_mesh_info *m, const vv_mesh_topolog
     vvi_tell_bool(a, "normals", m->normals != NULL);
     vvi_tell_bool(a, "values", m->values != NULL);
     vvi_tell_bool(a, "colors", m->colors != NULL);
+    vvi_tell_bool(a, "coordinates", m->coordinates != NULL);
+    vvi_tell_count(a, "textures", m->n_textures);
     vvi_tell_text(a, "value_name", m->value_name);
     vvi_tell_text(a, "value_unit", m->value_unit);
     tell_part_keys(a, m);
@@ -60,6 +62,18 @@ static void tell_parts(vv_answer *a, const vv_mesh_info *m)
                       m->parts[i].n_triangles, vvi_plural(m->parts[i].n_triangles, "triangle", "triangles"));
     if (m->n_parts > SHOWN)
         vvi_tell_line(a, "", "and %zu more (--json lists them)", m->n_parts - SHOWN);
+}
+
+static void tell_textures(vv_answer *a, const vv_mesh_info *m)
+{
+    enum { SHOWN = 8 };
+    for (size_t i = 0; i < m->n_textures && i < SHOWN; i++) {
+        const vv_mesh_texture *t = &m->textures[i];
+        vvi_tell_line(a, i ? "" : "images", "%s: %d x %d pixels", t->name[0] ? t->name : "(no name)", t->width,
+                      t->height);
+    }
+    if (m->n_textures > SHOWN)
+        vvi_tell_line(a, "", "and %zu more", m->n_textures - SHOWN);
 }
 
 /* Vertices of a seam are two at one place: the edges there are open, and yet nothing gapes. */
@@ -114,6 +128,7 @@ static void tell_mesh(vv_answer *a, const vv_mesh_info *m, const vv_mesh_topolog
     if (m->values && m->value_name[0])
         vvi_tell_line(a, "values", "%s %s", m->value_name, m->value_unit);
     tell_parts(a, m);
+    tell_textures(a, m);
     if (m->n_vertices > 0) {
         vvi_tell_line(a, "bounds", "%g .. %g, %g .. %g, %g .. %g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z, m->unit);
         vvi_tell_line(a, "size", "%g x %g x %g %s", hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, m->unit);

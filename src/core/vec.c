@@ -1,6 +1,4 @@
-#include <volvis/vec.h>
-
-#include <math.h>
+#include "core/vec.h"
 
 static vv_vec3 cross(vv_vec3 a, vv_vec3 b)
 {
@@ -74,4 +72,12 @@ bool vv_affine_invert(vv_affine *out, vv_affine a)
     inverse.origin = scale(vv_affine_vector(inverse, a.origin), -1);
     *out = inverse;
     return true;
+}
+
+/* n . M q >= d, made unit again. */
+vv_plane vvi_plane_mapped(const vv_plane *p, const vv_affine *map)
+{
+    const vv_vec3 n = p->normal, turned = {dot(n, map->axis[0]), dot(n, map->axis[1]), dot(n, map->axis[2])};
+    const double size = length(turned);
+    return (vv_plane){scale(turned, 1 / size), (p->offset - dot(n, map->origin)) / size};
 }

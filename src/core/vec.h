@@ -47,5 +47,7 @@ static inline bool vvi_unit(vv_vec3 *v)
     *v = vvi_scaled(*v, 1 / length);
     return true;
 }
+/** A plane of q where its places are p = map q; its normal has length 1. */
+vv_plane vvi_plane_mapped(const vv_plane *plane, const vv_affine *map);
 
 #endif

@@ -94,6 +94,9 @@ static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const 
                 r->n_triangles, r->n_triangles == 1 ? "triangle is" : "triangles are",
                 (unsigned long long)options->triangles,
                 options->error > 0 ? "within the error" : "without opening the surface");
+    if (mesh->n_textures)
+        vvi_log(job, VV_LOG_WARNING, "simplify",
+                "images on triangles are left out: other triangles have no places on them");
     if (r->n_crowded)
         vvi_log(job, VV_LOG_WARNING, "simplify", "%zu %s more than two triangles: the surface touches itself there",
                 r->n_crowded, r->n_crowded == 1 ? "edge has" : "edges have");

@@ -141,7 +141,12 @@ typedef struct vvi_gfx_surface {
     vv_affine place;          /**< from the mesh's space to the world; not singular */
     vv_color color; /**< where neither the part nor the vertices have one. a: times the opacity of all colours */
     bool one_color; /**< colours of vertices and parts are not looked at */
-    int cull;       /**< vvi_gfx_cull; a triangle's front is where its vertices go round counter-clockwise */
+    const double
+        *ramp; /**< n_ramp rows (value, r, g, b), ascending: colours by the mesh's values between vertices; where a
+                  corner has none, those of vertices count. NULL: no colours by value. Live until then, too */
+    size_t n_ramp;
+    const struct vvi_gfx_textures *textures; /**< of parts; NULL: they are drawn without. Live until vvi_gfx_end() */
+    int cull; /**< vvi_gfx_cull; a triangle's front is where its vertices go round counter-clockwise */
 } vvi_gfx_surface;
 
 /** Errors: VV_E_ARGUMENT (no camera, singular place, an index past the vertices), VV_E_LIMIT (2^32 triangles in all).

@@ -55,11 +55,16 @@ typedef struct vvi_gfx_fragments {
     float *depth, *normal[3];
 } vvi_gfx_fragments;
 
+enum { VVI_GFX_RAMP = 4096 };
+
 /** What all fragments of a mesh share. */
 typedef struct vvi_gfx_lighting {
     const float *positions, *normals; /**< normals NULL: the triangles' */
     const uint8_t *colors;            /**< NULL: as in rgba */
     const uint32_t *triangles;
+    const float *values; /**< NULL: no colours by value; else each is row (value - ramp_lo) * ramp_scale of `ramp` */
+    const float *ramp;   /**< VVI_GFX_RAMP rows and one more of r, g, b */
+    float ramp_lo, ramp_scale;
     const float *decode; /**< sRGB of bytes */
     float opacity;       /**< times that of colors */
     float nearest;       /**< forward: no depth is below it */

@@ -1,5 +1,6 @@
 /* Light of the fragments of a tile, by the mesh that they belong to. */
 #include "gfx/software.h"
+#include "gfx/texture.h"
 
 static bool is_of(const vvi_gfx_draw *draw, uint32_t id)
 {
@@ -16,9 +17,25 @@ const vvi_gfx_draw *vvi_gfx_draw_of(const vvi_gfx_software_picture *p, uint32_t 
     return NULL;
 }
 
+/* Of what kernels do not know: one by one. */
+static void look_up_colors(vvi_gfx_fragments *f, const vvi_gfx_draw *draw)
+{
+    for (size_t i = 0; i < f->n; i++) {
+        double rgba[4];
+        vvi_gfx_color_ref(rgba, draw, &draw->surface.textures->decode, f->triangle[i], (double)f->x[i],
+                          (double)f->y[i]);
+        for (int c = 0; c < 4; c++)
+            f->rgba[c][i] = (float)rgba[c];
+    }
+}
+
 /* Colours of the mesh or of its parts. */
 static void base_colors(vvi_gfx_fragments *f, const vvi_gfx_draw *draw)
 {
+    if (draw->surface.textures) {
+        look_up_colors(f, draw);
+        return;
+    }
     const vv_mesh_info *mesh = draw->surface.mesh;
     const vv_color one = draw->surface.color;
     size_t part = 0;

@@ -1,4 +1,5 @@
 #include "gfx/lighting.h"
+#include "gfx/mesh_look.h"
 #include <volvis/image.h>
 
 /* Places nearer to the eye's plane than this share of the mesh's reach are cut off. */
@@ -85,6 +86,30 @@ static vv_status prepare_lamps(vvi_gfx_lighting *g, vvi_gfx *gfx, const vvi_gfx_
     return VV_OK;
 }
 
+/* The ramp at evenly spaced values between its ends. */
+static vv_status prepare_ramp(vvi_gfx_lighting *g, vvi_gfx *gfx, const vvi_gfx_surface *surface)
+{
+    const size_t bytes = (size_t)3 * (VVI_GFX_RAMP + 1) * sizeof(float);
+    float *ramp = surface->ramp ? vvi_gfx_keep(gfx, bytes) : NULL;
+    if (!surface->ramp)
+        return VV_OK;
+    if (!ramp)
+        return vv_fail_memory(bytes);
+    const double lo = surface->ramp[0], hi = surface->ramp[4 * (surface->n_ramp - 1)],
+                 step = (hi > lo ? hi - lo : 1) / (VVI_GFX_RAMP - 1);
+    for (size_t i = 0; i <= VVI_GFX_RAMP; i++) {
+        double rgb[3];
+        vvi_gfx_ramp_color(rgb, surface, lo + step * (double)i);
+        for (size_t c = 0; c < 3; c++)
+            ramp[3 * i + c] = (float)rgb[c];
+    }
+    g->values = surface->mesh->values;
+    g->ramp = ramp;
+    g->ramp_scale = (float)(1 / step);
+    g->ramp_lo = (float)lo;
+    return VV_OK;
+}
+
 vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_draw *draw)
 {
     const vv_mesh_info *mesh = draw->surface.mesh;
@@ -95,7 +120,7 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
         return vv_fail_memory(sizeof *p);
     p->lighting = (vvi_gfx_lighting){.positions = mesh->positions,
                                      .normals = m->flat ? NULL : mesh->normals,
-                                     .colors = draw->surface.one_color ? NULL : mesh->colors,
+                                     .colors = draw->surface.one_color || draw->surface.textures ? NULL : mesh->colors,
                                      .triangles = mesh->triangles,
                                      .decode = p->decode,
                                      .opacity = (float)draw->surface.color.a,
@@ -111,7 +136,9 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
     prepare_camera(&p->lighting, draw->state.view);
     for (int i = 0; i < 256; i++)
         p->decode[i] = (float)vv_srgb_decode(i / 255.0);
-    const vv_status st = prepare_projection(&p->projection, gfx, draw);
+    vv_status st = prepare_projection(&p->projection, gfx, draw);
     *out = p;
+    if (st == VV_OK)
+        st = prepare_ramp(&p->lighting, gfx, &draw->surface);
     return st == VV_OK ? prepare_lamps(&p->lighting, gfx, draw) : st;
 }

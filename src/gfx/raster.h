@@ -8,6 +8,7 @@
 #define VVI_GFX_RASTER_H
 #include "gfx/backend.h"
 #include "gfx/flat.h"
+#include "gfx/texture.h"
 
 /** Steps of vertex places in a pixel; what lies further out than VVI_GFX_REACH pixels is cut off first. */
 enum { VVI_GFX_STEPS = 256, VVI_GFX_REACH = 24576 };
@@ -89,6 +90,10 @@ typedef struct vvi_gfx_fragment {
     float normal[3];
 } vvi_gfx_fragment;
 
+/** The colour of a triangle where the ray through a place on the picture meets it, before light; decode NULL: in double
+ * precision. */
+void vvi_gfx_color_ref(double rgba_out[4], const vvi_gfx_draw *draw, const vvi_gfx_decode *decode, uint32_t triangle,
+                       double x, double y);
 /** Fills in rgba, depth and normal. In double precision, one at a time: the definition. */
 void vvi_gfx_shade_ref(vvi_gfx_fragment *fragment, const vvi_gfx_draw *draw);
 #endif

@@ -31,6 +31,24 @@ VV_INLINE void vertex_colors(vf rgba[4], const vvi_gfx_lighting *g, const vi ind
     }
 }
 
+/* Of values between those of vertices; where one of these is NaN the colours stay. */
+VV_INLINE void value_colors(vf rgba[4], const vvi_gfx_lighting *g, const vi index[3], const vf share[3], vm live)
+{
+    const vf zero = vf_set1(0), last = vf_set1(VVI_GFX_RAMP - 1);
+    vf above = zero; /* the first row's value: numbers that are large for their range lose nothing */
+    for (int k = 0; k < 3; k++)
+        above = vf_fma(vf_gather4(g->values, index[k], live) - vf_set1(g->ramp_lo), share[k], above);
+    const vf row = above * vf_set1(g->ramp_scale);
+    const vm known = vf_eq(above - above, zero); /* infinite ones are not, either */
+    const vf at = vf_clamp(vf_select(known, row, zero), zero, last), below = vf_floor(at);
+    const vi first = vi_trunc(below) * vi_set1(3);
+    for (int c = 0; c < 3; c++) {
+        const vf a = vf_gather4(g->ramp + c, first, live), b = vf_gather4(g->ramp + 3 + c, first, live);
+        rgba[c] = vf_select(known, vf_fma(at - below, b - a, a), rgba[c]);
+    }
+    rgba[3] = vf_select(known, vf_set1(g->opacity), rgba[3]);
+}
+
 static void shade(vvi_gfx_fragments *f, const vvi_gfx_lighting *g)
 {
     const vf zero = vf_set1(0), one = vf_set1(1);
@@ -80,6 +98,8 @@ static void shade(vvi_gfx_fragments *f, const vvi_gfx_lighting *g)
             rgba[c] = vf_load(f->rgba[c] + i);
         if (g->colors)
             vertex_colors(rgba, g, index, share, live);
+        if (g->values)
+            value_colors(rgba, g, index, share, live);
         const lit_points points = {place, n, to_eye, known, g->sides == VVI_GFX_BOTH};
         if (g->model != VV_SHADING_NONE)
             light_points(rgba, &points, &g->gloss, g->lamps, g->n_lamps);

@@ -2,6 +2,7 @@
 #include "gfx/software.h"
 #include "core/cpu.h"
 #include "core/job.h"
+#include "gfx/texture.h"
 
 static vv_status begin(vvi_gfx *gfx)
 {
@@ -65,6 +66,8 @@ bool vvi_gfx_is_translucent(const vvi_gfx_surface *s)
         some |= s->mesh->parts[i].color.a >= 0 && s->mesh->parts[i].color.a < 1;
     for (size_t i = 0; i < s->mesh->n_vertices && s->mesh->colors && !s->one_color && !some; i++)
         some = s->mesh->colors[4 * i + 3] < 255;
+    for (size_t i = 0; s->textures && i < s->textures->n && !some; i++)
+        some = s->textures->texture[i].translucent;
     return some;
 }
 

@@ -43,7 +43,8 @@ void vvi_value_print(char out[VVI_VALUE_TEXT], double value, double lo, double h
 
 void vvi_mesh_print(char out[VVI_MESH_TEXT], const vv_mesh_info *m)
 {
-    snprintf(out, VVI_MESH_TEXT, "%zu %s, %zu triangle%s%s%s%s", m->n_vertices,
+    snprintf(out, VVI_MESH_TEXT, "%zu %s, %zu triangle%s%s%s%s%s", m->n_vertices,
              m->n_vertices == 1 ? "vertex" : "vertices", m->n_triangles, m->n_triangles == 1 ? "" : "s",
-             m->normals ? ", normals" : "", m->values ? ", values" : "", m->colors ? ", colours" : "");
+             m->normals ? ", normals" : "", m->values ? ", values" : "", m->colors ? ", colours" : "",
+             m->coordinates ? ", texture coordinates" : "");
 }

@@ -52,6 +52,10 @@ static vv_mesh *new_mesh(const vv_mesh_info *info, vv_job *job)
 
 static void show_arrays(vv_mesh *m)
 {
+    m->info.coordinates = m->arrays.coordinates;
+    m->info.coordinate_of = m->arrays.coordinate_of;
+    m->info.n_coordinates = m->arrays.coordinates ? m->info.n_coordinates : 0;
+    m->info.textures = vvi_mesh_textures_get(&m->info.n_textures, m->arrays.textures);
     m->info.positions = m->arrays.positions;
     m->info.normals = m->arrays.normals;
     m->info.values = m->arrays.values;
@@ -74,6 +78,10 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays, const vv_mesh_inf
         (with & VVI_MESH_NORMALS && (st = take(&m->arrays.normals, info->n_vertices, point, job)) != VV_OK) ||
         (with & VVI_MESH_VALUES && (st = take(&m->arrays.values, info->n_vertices, sizeof(float), job)) != VV_OK) ||
         (with & VVI_MESH_COLORS && (st = take(&m->arrays.colors, info->n_vertices, 4, job)) != VV_OK) ||
+        (with & VVI_MESH_COORDINATES &&
+         (st = take(&m->arrays.coordinates, info->n_coordinates, 2 * sizeof(float), job)) != VV_OK) ||
+        (with & VVI_MESH_CORNERS &&
+         (st = take(&m->arrays.coordinate_of, info->n_triangles, 3 * sizeof(uint32_t), job)) != VV_OK) ||
         (info->n_parts && (st = take_parts(m, job)) != VV_OK)) {
         vv_mesh_release(m);
         return st;
@@ -120,24 +128,45 @@ vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *a, const vv_mesh *mesh, 
     copy(a->values, a->values ? m->values : NULL, m->n_vertices * sizeof *a->values);
     copy(a->colors, a->colors ? m->colors : NULL, 4 * m->n_vertices);
     copy(a->parts, m->parts, m->n_parts * sizeof *a->parts);
+    copy(a->coordinates, a->coordinates ? m->coordinates : NULL, 2 * m->n_coordinates * sizeof *a->coordinates);
+    copy(a->coordinate_of, a->coordinate_of ? m->coordinate_of : NULL, 3 * m->n_triangles * sizeof *a->coordinate_of);
+    vvi_mesh_take_textures(*out, mesh);
     return VV_OK;
 }
 
-static unsigned holds(const vv_mesh_info *m)
+void vvi_mesh_set_textures(vv_mesh *mesh, vvi_mesh_textures *textures)
+{
+    mesh->arrays.textures = textures;
+    show_arrays(mesh);
+}
+
+void vvi_mesh_take_textures(vv_mesh *mesh, const vv_mesh *from)
+{
+    vvi_mesh_set_textures(mesh, vvi_mesh_textures_retain(from->arrays.textures));
+}
+
+void vvi_mesh_leave_textures(vv_mesh *mesh)
+{
+    for (size_t i = 0; i < mesh->info.n_parts; i++)
+        mesh->arrays.parts[i].texture = 0;
+}
+
+unsigned vvi_mesh_arrays_of(const vv_mesh_info *m)
 {
     return (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) |
-           (m->colors ? VVI_MESH_COLORS : 0u);
+           (m->colors ? VVI_MESH_COLORS : 0u) | (m->coordinates ? VVI_MESH_COORDINATES : 0u) |
+           (m->coordinate_of ? VVI_MESH_CORNERS : 0u);
 }
 
 unsigned vvi_mesh_with(const vv_mesh *mesh)
 {
-    return holds(&mesh->info);
+    return vvi_mesh_arrays_of(&mesh->info);
 }
 
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job)
 {
     vvi_mesh_arrays a;
-    const vv_status st = vvi_mesh_copy(out, &a, mesh, holds(&mesh->info), job);
+    const vv_status st = vvi_mesh_copy(out, &a, mesh, vvi_mesh_arrays_of(&mesh->info), job);
     if (st != VV_OK || !*out)
         return st;
     vv_mesh_info *info = &(*out)->info;
@@ -148,14 +177,19 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
     return VV_OK;
 }
 
-void vvi_mesh_turn(vv_mesh *mesh)
+static void turn_triangles(uint32_t *t, size_t n)
 {
-    uint32_t *t = mesh->arrays.triangles;
-    for (size_t i = 0; i < mesh->info.n_triangles; i++, t += 3) {
+    for (size_t i = 0; i < n && t; i++, t += 3) {
         const uint32_t second = t[1];
         t[1] = t[2];
         t[2] = second;
     }
+}
+
+void vvi_mesh_turn(vv_mesh *mesh)
+{
+    turn_triangles(mesh->arrays.triangles, mesh->info.n_triangles);
+    turn_triangles(mesh->arrays.coordinate_of, mesh->info.n_triangles);
     for (size_t i = 0; i < 3 * mesh->info.n_vertices && mesh->arrays.normals; i++)
         mesh->arrays.normals[i] = -mesh->arrays.normals[i];
 }
@@ -209,6 +243,9 @@ void vv_mesh_release(vv_mesh *mesh)
     vvi_free(mesh->arrays.colors);
     vvi_free(mesh->arrays.triangles);
     vvi_free(mesh->arrays.parts);
+    vvi_free(mesh->arrays.coordinates);
+    vvi_free(mesh->arrays.coordinate_of);
+    vvi_mesh_textures_release(mesh->arrays.textures);
     vvi_free(mesh);
 }
 
@@ -221,7 +258,11 @@ uint64_t vvi_mesh_bytes(const vv_mesh *mesh)
 {
     const vv_mesh_info *m = &mesh->info;
     const uint64_t vertex = 12 + (m->normals ? 12 : 0) + (m->values ? 4 : 0) + (m->colors ? 4 : 0);
-    return m->n_vertices * vertex + m->n_triangles * 12 + m->n_parts * sizeof *m->parts;
+    uint64_t bytes = m->n_vertices * vertex + m->n_triangles * (m->coordinate_of ? 24 : 12) +
+                     m->n_parts * sizeof *m->parts + m->n_coordinates * 8;
+    for (size_t i = 0; i < m->n_textures; i++)
+        bytes += 4 * (uint64_t)m->textures[i].width * (uint64_t)m->textures[i].height;
+    return bytes;
 }
 
 static uint32_t sum(uint32_t crc, const void *data, size_t n, size_t each)
@@ -240,6 +281,15 @@ static uint32_t sum_all(const vv_mesh_info *m)
     for (size_t i = 0; i < m->n_parts; i++) {
         crc = sum(crc, m->parts[i].name, strlen(m->parts[i].name), 1);
         crc = sum(crc, &m->parts[i].color, 1, sizeof m->parts[i].color);
+        crc = sum(crc, &m->parts[i].texture, m->n_textures != 0, sizeof m->parts[i].texture);
+    }
+    crc = sum(crc, m->coordinates, 2 * m->n_coordinates, sizeof *m->coordinates);
+    crc = sum(crc, m->coordinate_of, 3 * m->n_triangles, sizeof *m->coordinate_of);
+    for (size_t i = 0; i < m->n_textures; i++) {
+        const vv_mesh_texture *t = &m->textures[i];
+        crc = sum(crc, &t->width, 1, sizeof t->width);
+        crc = sum(crc, t->wrap, 1, sizeof t->wrap);
+        crc = sum(crc, t->pixels, (size_t)t->width * (size_t)t->height, 4);
     }
     return crc;
 }

@@ -6,35 +6,69 @@
 #include "core/status.h"
 #include <volvis/mesh.h>
 
+/** Images of meshes: their copies share them. */
+typedef struct vvi_mesh_textures vvi_mesh_textures;
+/** One more, behind those of *inout, which is new where it is NULL and nobody else's; not looked at: pixels, which are
+ * vvi_alloc()'s and the textures' from then on. On error they are still the caller's. */
+vv_status vvi_mesh_textures_add(vvi_mesh_textures **inout, const vv_mesh_texture *texture, vv_job *job);
+/** Those of `mesh` with pixels of their own; release *out in any case. */
+vv_status vvi_mesh_textures_copy(vvi_mesh_textures **out, const vv_mesh_info *mesh, vv_job *job);
+/** How many, and where; NULL is none. */
+const vv_mesh_texture *vvi_mesh_textures_get(size_t *n_out, const vvi_mesh_textures *textures);
+vvi_mesh_textures *vvi_mesh_textures_retain(vvi_mesh_textures *textures); /* NULL is fine */
+void vvi_mesh_textures_release(vvi_mesh_textures *textures);              /* NULL is fine */
+
 /** Arrays to fill before the mesh is shared. */
 typedef struct vvi_mesh_arrays {
     float *positions, *normals, *values; /**< NULL where not asked for */
     uint8_t *colors;
     uint32_t *triangles;
     vv_mesh_part *parts; /**< zeroed, their colours not given */
+    float *coordinates;
+    uint32_t *coordinate_of;
+    vvi_mesh_textures *textures;
 } vvi_mesh_arrays;
 
-enum { VVI_MESH_NORMALS = 1, VVI_MESH_VALUES = 2, VVI_MESH_COLORS = 4 };
+/** CORNERS: coordinates of triangles' corners and not of vertices. */
+enum {
+    VVI_MESH_NORMALS = 1,
+    VVI_MESH_VALUES = 2,
+    VVI_MESH_COLORS = 4,
+    VVI_MESH_COORDINATES = 8,
+    VVI_MESH_CORNERS = 16,
+    VVI_MESH_ALL = 31
+};
 
 /** An uninitialised mesh with the counts (n_parts too), origin, space, unit and names of `info`, whose arrays are not
- * looked at. `with`: which optional arrays it has. Errors: VV_E_LIMIT (counts of 2^32 and more), VV_E_MEMORY. */
+ * looked at, and without textures. `with`: which optional arrays it has. Errors: VV_E_LIMIT (counts of 2^32 and more),
+ * VV_E_MEMORY. */
 vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh_info *info, unsigned with,
                        vv_job *job);
 /** A mesh of arrays that are there already, taken by vvi_alloc(): it frees them. On error they stay the caller's. */
 vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job);
-/** A copy with the arrays of `with`, to change before it is shared; those that the mesh does not have are not
- * initialised. */
+/** A copy with the arrays of `with` and the same textures, to change before it is shared; those that the mesh does not
+ * have are not initialised. */
 vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh *mesh, unsigned with, vv_job *job);
+/** A mesh that is not shared yet and has no textures gets those of another, whose parts its parts are. */
+void vvi_mesh_take_textures(vv_mesh *mesh, const vv_mesh *from);
+/** Its parts name none: they come from a mesh that has some. */
+void vvi_mesh_leave_textures(vv_mesh *mesh);
 /** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
 /** One of its parts by itself, `index` below n_parts, with the vertices that it uses. Errors: VV_E_MEMORY. */
 vv_status vvi_mesh_part(vv_mesh **out, const vv_mesh *mesh, size_t index, vv_job *job);
+/** The same with coordinates of vertices in the place of those of corners: a vertex that had several is as many; others
+ * that no triangle has go. Another reference where corners have none. Errors: VV_E_MEMORY, VV_E_CANCELLED. */
+vv_status vvi_mesh_split_corners(vv_mesh **out, const vv_mesh *mesh, vv_job *job);
 /** Its triangles and normals face the other way, of a mesh that is not shared yet. */
 void vvi_mesh_turn(vv_mesh *mesh);
 /** Another name for the unit of its lengths, of a mesh that is not shared yet. */
 void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit);
 /** Which of the arrays that may lack it has. */
 unsigned vvi_mesh_with(const vv_mesh *mesh);
+unsigned vvi_mesh_arrays_of(const vv_mesh_info *mesh);
+/** Textures of a mesh that is not shared yet and has none; they are the mesh's from then on. */
+void vvi_mesh_set_textures(vv_mesh *mesh, vvi_mesh_textures *textures);
 /** Whether these are arrays of a mesh, as vv_mesh_new() wants them: VV_E_ARGUMENT says what is wrong. */
 vv_status vvi_mesh_check(const vv_mesh_info *info);
 /** Bytes that its arrays take. */

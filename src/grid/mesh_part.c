@@ -38,9 +38,16 @@ static void fill(vvi_mesh_arrays *a, const vv_mesh_info *m, const vv_mesh_part *
             a->values[to] = m->values[v];
         if (m->colors)
             memcpy(a->colors + 4 * to, m->colors + 4 * v, 4);
+        if (m->coordinates && !m->coordinate_of)
+            memcpy(a->coordinates + 2 * to, m->coordinates + 2 * v, 2 * sizeof *a->coordinates);
     }
     for (size_t k = 0; k < 3 * part->n_triangles; k++)
         a->triangles[k] = number[corner[k]];
+    if (m->coordinate_of) { /* coordinates of other parts stay */
+        memcpy(a->coordinates, m->coordinates, 2 * m->n_coordinates * sizeof *a->coordinates);
+        memcpy(a->coordinate_of, m->coordinate_of + 3 * part->first_triangle,
+               3 * part->n_triangles * sizeof *a->coordinate_of);
+    }
     a->parts[0] = *part;
     a->parts[0].first_triangle = 0;
 }
@@ -48,8 +55,6 @@ static void fill(vvi_mesh_arrays *a, const vv_mesh_info *m, const vv_mesh_part *
 vv_status vvi_mesh_part(vv_mesh **out, const vv_mesh *mesh, size_t index, vv_job *job)
 {
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    const unsigned with =
-        (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
     vv_mesh_info info = *m;
     vvi_mesh_arrays a;
     uint32_t *number;
@@ -57,8 +62,11 @@ vv_status vvi_mesh_part(vv_mesh **out, const vv_mesh *mesh, size_t index, vv_job
     vv_status st = number_vertices(&number, &info.n_vertices, m, &m->parts[index], job);
     info.n_triangles = m->parts[index].n_triangles;
     info.n_parts = 1;
-    if (st == VV_OK && (st = vvi_mesh_new(out, &a, &info, with, job)) == VV_OK)
+    info.n_coordinates = m->coordinate_of ? m->n_coordinates : info.n_vertices;
+    if (st == VV_OK && (st = vvi_mesh_new(out, &a, &info, vvi_mesh_arrays_of(m), job)) == VV_OK) {
         fill(&a, m, &m->parts[index], number);
+        vvi_mesh_take_textures(*out, mesh);
+    }
     vvi_free(number);
     return st;
 }

@@ -5,6 +5,7 @@
 #include "import/import_room.h"
 #include "io/mesh_file.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -24,6 +25,11 @@ vvi_mesh_room vvi_mesh_room_of(const vv_mesh_info *m, unsigned with)
     r.colors = take(&r.end, with & VVI_MESH_COLORS, m->n_vertices, 4);
     r.triangles = take(&r.end, true, m->n_triangles, 3 * sizeof(uint32_t));
     r.parts = take(&r.end, true, m->n_parts, sizeof(vv_mesh_part));
+    r.coordinates = take(&r.end, with & VVI_MESH_COORDINATES, m->n_coordinates, 2 * sizeof(float));
+    r.coordinate_of = take(&r.end, with & VVI_MESH_CORNERS, m->n_triangles, 3 * sizeof(uint32_t));
+    r.pixels = r.end;
+    for (size_t i = 0; i < m->n_textures; i++)
+        take(&r.end, true, (uint64_t)m->textures[i].width * (uint64_t)m->textures[i].height, 4);
     return r;
 }
 
@@ -34,6 +40,19 @@ static void copy(void *out, const char *from, uint64_t at, uint64_t bytes)
 {
     if (out && bytes > 0)
         memcpy(out, from + at, (size_t)bytes);
+}
+
+static vv_status textures_of_room(vv_mesh *mesh, const vv_mesh_info *m, uint64_t at, const char *from, vv_job *job)
+{
+    vvi_mesh_textures *textures;
+    vv_mesh_texture *t = (vv_mesh_texture *)(uintptr_t)m->textures;
+    for (size_t i = 0; i < m->n_textures; i++) {
+        t[i].pixels = (const uint8_t *)from + at;
+        take(&at, true, (uint64_t)t[i].width * (uint64_t)t[i].height, 4);
+    }
+    const vv_status st = vvi_mesh_textures_copy(&textures, m, job);
+    vvi_mesh_set_textures(mesh, textures);
+    return st;
 }
 
 static vv_status mesh_of_room(vv_mesh **out, const vv_mesh_info *m, unsigned with, const char *from, vv_job *job)
@@ -49,7 +68,9 @@ static vv_status mesh_of_room(vv_mesh **out, const vv_mesh_info *m, unsigned wit
     copy(a.colors, from, r.colors, 4 * (uint64_t)m->n_vertices);
     copy(a.triangles, from, r.triangles, 3 * sizeof(uint32_t) * (uint64_t)m->n_triangles);
     copy(a.parts, from, r.parts, sizeof(vv_mesh_part) * (uint64_t)m->n_parts);
-    return VV_OK;
+    copy(a.coordinates, from, r.coordinates, 2 * sizeof(float) * (uint64_t)m->n_coordinates);
+    copy(a.coordinate_of, from, r.coordinate_of, 3 * sizeof(uint32_t) * (uint64_t)m->n_triangles);
+    return textures_of_room(*out, m, r.pixels, from, job);
 }
 
 static vv_status fill_room(vvi_import_process *p, vvi_import_room *room, int fd, vv_job *job)
@@ -120,8 +141,11 @@ static vv_status read_mesh(vv_mesh **out, const vv_mesh_format **format_out, vv_
     *format_out = vvi_mesh_format_find(format, vvi_job_registry(job));
     const vv_mesh_info mesh = vvi_wire_take_mesh(&in, &with);
     if (!vvi_wire_taken(&in) || !*format_out)
-        return vvi_import_nonsense(p, "a mesh of no format");
-    return take_arrays(out, p, &mesh, with, job);
+        st = vvi_import_nonsense(p, "a mesh of no format");
+    else
+        st = take_arrays(out, p, &mesh, with, job);
+    free((void *)(uintptr_t)mesh.textures);
+    return st;
 }
 
 vv_status vvi_import_mesh(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,

@@ -1,4 +1,7 @@
 #include "import/import_wire.h"
+#include "core/memory.h"
+#include "grid/mesh.h"
+#include "image/image_layer.h"
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -59,6 +62,16 @@ void vvi_wire_put_mesh(vvi_text *out, const vv_mesh_info *mesh, unsigned with)
     vvi_wire_put(out, mesh->unit, sizeof mesh->unit);
     vvi_wire_put(out, mesh->value_name, sizeof mesh->value_name);
     vvi_wire_put(out, mesh->value_unit, sizeof mesh->value_unit);
+    vvi_wire_put_number(out, (int64_t)mesh->n_coordinates);
+    vvi_wire_put_number(out, (int64_t)mesh->n_textures);
+    for (size_t i = 0; i < mesh->n_textures; i++) {
+        const vv_mesh_texture *t = &mesh->textures[i];
+        vvi_wire_put(out, t->name, sizeof t->name);
+        vvi_wire_put_number(out, t->width);
+        vvi_wire_put_number(out, t->height);
+        vvi_wire_put_number(out, t->wrap[0]);
+        vvi_wire_put_number(out, t->wrap[1]);
+    }
 }
 
 /* Taking ---------------------------------------------------------------------------------------------------------- */
@@ -182,12 +195,27 @@ vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES])
     return label;
 }
 
+/* Yours to free(); NULL: there are none, or the message is bad. */
+static vv_mesh_texture *take_textures(vvi_wire_in *in, size_t n)
+{
+    vv_mesh_texture *all = in->bad || n == 0 ? NULL : vvi_calloc(n, sizeof *all);
+    in->bad |= n > 0 && !all;
+    for (size_t i = 0; i < n && !in->bad; i++) {
+        take_name(in, all[i].name, sizeof all[i].name);
+        all[i].width = (int32_t)vvi_wire_take_between(in, 1, VVI_IMAGE_SIDE_MOST);
+        all[i].height = (int32_t)vvi_wire_take_between(in, 1, VVI_IMAGE_SIDE_MOST);
+        all[i].wrap[0] = (int)vvi_wire_take_between(in, VV_WRAP_REPEAT, VV_WRAP_CLAMP);
+        all[i].wrap[1] = (int)vvi_wire_take_between(in, VV_WRAP_REPEAT, VV_WRAP_CLAMP);
+    }
+    return all;
+}
+
 vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out)
 {
     vv_mesh_info mesh = {.n_vertices = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX)};
     mesh.n_triangles = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
     mesh.n_parts = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
-    *with_out = (unsigned)vvi_wire_take_between(in, 0, 7);
+    *with_out = (unsigned)vvi_wire_take_between(in, 0, VVI_MESH_ALL);
     mesh.space = (vv_space)vvi_wire_take_between(in, VV_SPACE_PLAIN, VV_SPACE_RAS);
     mesh.up = (vv_up)vvi_wire_take_between(in, VV_UP_Z, VV_UP_Y);
     mesh.origin.x = take_finite(in);
@@ -196,6 +224,9 @@ vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out)
     take_name(in, mesh.unit, sizeof mesh.unit);
     take_name(in, mesh.value_name, sizeof mesh.value_name);
     take_name(in, mesh.value_unit, sizeof mesh.value_unit);
+    mesh.n_coordinates = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
+    mesh.n_textures = (size_t)vvi_wire_take_between(in, 0, (int64_t)((in->n - in->at) / sizeof mesh.textures->name));
+    mesh.textures = take_textures(in, mesh.n_textures);
     return mesh;
 }
 

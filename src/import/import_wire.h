@@ -35,7 +35,7 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 9, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 10, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;
@@ -71,7 +71,7 @@ const char *vvi_wire_take_text_or_null(vvi_wire_in *in);
 vv_channel vvi_wire_take_channel(vvi_wire_in *in);
 /** Its codes, where it has any, go to `codes`. */
 vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES]);
-/** Its arrays are NULL. */
+/** Its arrays are NULL, but for textures, without pixels: yours to free(). */
 vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out);
 /** Whether all was there and nothing is left. */
 bool vvi_wire_taken(const vvi_wire_in *in);

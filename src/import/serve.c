@@ -448,6 +448,15 @@ static void put(const room *to, uint64_t at, const void *data, size_t bytes)
         memcpy(to->at + at, data, bytes);
 }
 
+static void put_pixels(const room *to, uint64_t at, const vv_mesh_info *m)
+{
+    for (size_t i = 0; i < m->n_textures; i++) {
+        const size_t n = 4 * (size_t)m->textures[i].width * (size_t)m->textures[i].height;
+        put(to, at, m->textures[i].pixels, n);
+        at += (n + 7) / 8 * 8;
+    }
+}
+
 static vv_status copy_mesh(server *s)
 {
     room to;
@@ -466,6 +475,9 @@ static vv_status copy_mesh(server *s)
         put(&to, r.colors, m->colors, 4 * m->n_vertices);
         put(&to, r.triangles, m->triangles, 3 * m->n_triangles * sizeof *m->triangles);
         put(&to, r.parts, m->parts, m->n_parts * sizeof *m->parts);
+        put(&to, r.coordinates, m->coordinates, 2 * m->n_coordinates * sizeof *m->coordinates);
+        put(&to, r.coordinate_of, m->coordinate_of, 3 * m->n_triangles * sizeof *m->coordinate_of);
+        put_pixels(&to, r.pixels, m);
     }
     munmap(to.at, to.n);
     return fits ? VV_OK : vv_fail(VV_E_INTERNAL, "the mesh is larger than the room for it");

@@ -358,6 +358,7 @@ static void warn_of_losses(const vv_sink *sink, const vv_mesh *mesh, const vv_me
         {m->colors != NULL, VV_MESH_HOLDS_COLORS, "vertex colours"},
         {named, VV_MESH_HOLDS_PARTS, "parts"},
         {colored, VV_MESH_HOLDS_PART_COLORS, "colours of parts"},
+        {m->n_textures > 0, VV_MESH_HOLDS_TEXTURES, "images on triangles"},
     };
     for (size_t i = 0; i < sizeof losses / sizeof *losses; i++)
         if (losses[i].has && !(format->holds & losses[i].holds))

@@ -69,8 +69,6 @@ size_t vvi_measuring_planes(vv_plane out[VVI_PLANES_MOST], const vvi_measuring *
 void vvi_measuring_label_method(vvi_measuring *m);
 /** The object is a label; called: what it is called, NULL: by its number. */
 void vvi_measuring_take_label(vvi_measuring *m, vv_label_id label, const char *called);
-/** A plane of q where its places are p = map q. */
-vv_plane vvi_plane_mapped(const vv_plane *plane, const vv_affine *map);
 /** A field that is told sample by sample with the volume: it goes where the scene puts the volume, and its samples must
  * lie where the volume's do; in the volume's order then. marks: it is a mask, 0 where it has no samples; else it must
  * have one wherever the volume has. */

@@ -8,15 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* n . M q >= d, made unit again. */
-vv_plane vvi_plane_mapped(const vv_plane *p, const vv_affine *map)
-{
-    const vv_vec3 n = p->normal;
-    const vv_vec3 turned = {vvi_dot(n, map->axis[0]), vvi_dot(n, map->axis[1]), vvi_dot(n, map->axis[2])};
-    const double length = vvi_length(turned);
-    return (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, map->origin)) / length};
-}
-
 /* What the planes keep, in the mesh's own space. */
 static vv_status cut(vv_mesh **out, const vv_measured_data *s, bool cap, vv_job *job)
 {

@@ -47,7 +47,9 @@ static const vv_property shading[] = {
     {VV_PROP(vv_shading, two_sided), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "light both sides of a surface, whichever faces the viewer"},
     {VV_PROP(vv_shading, cap), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "light the cut faces of clouds as flat faces instead of by the gradient of the data there"},
+     .doc = "fill the cuts of closed meshes, and light the cut faces of clouds as flat faces instead of by the "
+            "gradient of "
+            "the data there"},
     END,
 };
 const vv_class vv_shading_class = {

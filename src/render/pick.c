@@ -4,6 +4,7 @@
 #include "core/vec.h"
 #include "gfx/mesh_look.h"
 #include "grid/label_id.h"
+#include "render/common/mesh_caps.h"
 #include "render/picture.h"
 #include "render/pixel_value.h"
 #include <math.h>
@@ -15,6 +16,7 @@ typedef struct picking {
     void *state; /* the renderer's */
     vvi_sight sight;
     vv_image *whole; /* of renderers that make a picture at once; else NULL */
+    vvi_mesh_caps caps;
     vv_picked *out;
     const vv_pixel *pixels;
     vv_job *job;
@@ -136,11 +138,11 @@ static vv_status draw_whole(picking *p)
 static double value_at(const vv_mesh_actor *shape, const vvi_gfx_picked *at)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    if (!m->values)
+        return NAN;
     const uint32_t *v = m->triangles + 3 * (size_t)at->primitive;
     double sum = 0, all = 0;
     vv_vec3 side[3];
-    if (!m->values)
-        return NAN;
     for (int k = 0; k < 3; k++) {
         const float *p = m->positions + 3 * (size_t)v[k];
         const vv_vec3 corner = vvi_add(m->origin, vvi_vec((double)p[0], (double)p[1], (double)p[2]));
@@ -154,19 +156,30 @@ static double value_at(const vv_mesh_actor *shape, const vvi_gfx_picked *at)
     return sum / all;
 }
 
-static void name_part(vv_picked *out, const vv_mesh_info *m)
+static void name_part(vv_picked *out, const vv_mesh_info *m, uint32_t triangle)
 {
     for (size_t i = 0; i < m->n_parts; i++)
-        if (out->triangle - m->parts[i].first_triangle < m->parts[i].n_triangles)
+        if (triangle - m->parts[i].first_triangle < m->parts[i].n_triangles)
             memcpy(out->part, m->parts[i].name, sizeof out->part);
 }
 
-static void take_hit(vv_picked *out, const vv_mesh_actor *shape, const vvi_gfx_picked *at, const vv_scene *scene)
+/* A mesh as it is drawn: of the scene's, or after them one of their caps. */
+static const vv_mesh_actor *drawn_shape(const picking *p, size_t i)
 {
+    const size_t n = p->scene->n_mesh_actors;
+    return i < n ? &p->scene->mesh_actors[i] : &p->caps.cap[i - n].actor;
+}
+
+static void take_hit(vv_picked *out, const picking *p, const vvi_gfx_picked *at)
+{
+    const vv_scene *scene = p->scene;
+    const size_t i = at->id - scene->n_actors - 1, n = scene->n_mesh_actors;
+    const vv_mesh_actor *shape = drawn_shape(p, i);
     vv_affine to_mesh;
+    out->id = (uint32_t)(scene->n_actors + (i < n ? i : p->caps.cap[i - n].owner) + 1);
     out->volume = shape->look.id;
     out->is_mesh = true;
-    out->triangle = at->primitive;
+    out->triangle = i < n ? at->primitive : VV_NO_TRIANGLE;
     out->depth = at->depth;
     out->world = at->world;
     const vv_vec3 way = scene->lens.parallel ? scene->lens.forward : vvi_sub(at->world, scene->lens.eye);
@@ -174,12 +187,12 @@ static void take_hit(vv_picked *out, const vv_mesh_actor *shape, const vvi_gfx_p
     out->value = value_at(shape, at);
     if (vv_affine_invert(&to_mesh, shape->place))
         out->index = vv_affine_point(to_mesh, at->world);
-    name_part(out, vv_mesh_get_info(shape->mesh));
+    name_part(out, vv_mesh_get_info(shape->mesh), at->primitive);
 }
 
 static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const picking *p, size_t i)
 {
-    const vv_mesh_actor *shape = &p->scene->mesh_actors[i];
+    const vv_mesh_actor *shape = drawn_shape(p, i);
     const vvi_gfx_surface surface = vvi_gfx_surface_of(shown, shape);
     vvi_gfx_id(gfx, (uint32_t)(p->scene->n_actors + i + 1));
     const vv_status st = vvi_gfx_cuts(gfx, shape->look.planes, shape->look.n_planes);
@@ -218,34 +231,39 @@ static vv_status describe_shape(vv_picked *out, vvi_gfx *gfx, const picking *p)
         return st;
     const vv_pixel pixel = out->pixel;
     const float rgba[4] = {out->rgba[0], out->rgba[1], out->rgba[2], out->rgba[3]};
-    *out = (vv_picked){.pixel = pixel, .hit = true, .id = at.id, .value = NAN};
+    *out = (vv_picked){.pixel = pixel, .hit = true, .value = NAN};
     memcpy(out->rgba, rgba, sizeof rgba);
-    take_hit(out, &p->scene->mesh_actors[at.id - p->scene->n_actors - 1], &at, p->scene);
+    take_hit(out, p, &at);
     return VV_OK;
 }
 
-static vv_status describe_shapes(const picking *p, size_t n)
+static vv_status describe_shapes(picking *p, size_t n)
 {
-    const size_t n_mesh_actors = p->scene->n_mesh_actors, bytes = (n_mesh_actors + 1) * sizeof(vv_mesh_info);
     vvi_gfx *gfx = NULL;
-    if (!n_mesh_actors)
+    if (!p->scene->n_mesh_actors)
         return VV_OK;
+    vv_status st = vvi_mesh_caps_open(&p->caps, p->scene, p->job);
+    const size_t n_drawn = p->scene->n_mesh_actors + p->caps.n, bytes = (n_drawn + 1) * sizeof(vv_mesh_info);
+    if (st != VV_OK)
+        return st;
     vv_mesh_info *shown = vvi_alloc(p->job, bytes, VVI_MEM_SCRATCH);
-    if (!shown)
-        return vv_fail_memory(bytes);
     vv_image *canvas = p->whole ? vv_image_retain(p->whole) : NULL;
-    vv_status st = canvas ? VV_OK : vv_image_new(&canvas, p->scene->width, p->scene->height, 0, p->job);
+    if (!shown)
+        st = vv_fail_memory(bytes);
+    else
+        st = canvas ? VV_OK : vv_image_new(&canvas, p->scene->width, p->scene->height, 0, p->job);
     if (st == VV_OK)
         st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = canvas}, p->job);
     if (st == VV_OK)
         vvi_gfx_camera(gfx, &p->scene->lens);
-    for (size_t i = 0; i < n_mesh_actors && st == VV_OK; i++)
+    for (size_t i = 0; i < n_drawn && st == VV_OK; i++)
         st = draw_shape(gfx, &shown[i], p, i);
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st = p->out[i].rgba[3] > 0 ? describe_shape(&p->out[i], gfx, p) : VV_OK;
     vvi_gfx_abandon(gfx);
     vv_image_release(canvas);
     vvi_free(shown);
+    vvi_mesh_caps_close(&p->caps);
     return st;
 }
 

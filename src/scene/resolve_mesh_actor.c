@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "gfx/texture.h"
 #include "grid/label_color.h"
 #include "grid/mesh.h"
 #include "grid/mesh_normals.h"
@@ -57,10 +58,9 @@ static vv_status make_normals(void **value_out, uint64_t *bytes_out, void *user,
 {
     const vv_mesh *mesh = user;
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    const unsigned with = VVI_MESH_NORMALS | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
     vvi_mesh_arrays a;
     vv_mesh *copy = NULL;
-    vv_status st = vvi_mesh_copy(&copy, &a, mesh, with, job);
+    vv_status st = vvi_mesh_copy(&copy, &a, mesh, vvi_mesh_with(mesh) | VVI_MESH_NORMALS, job);
     if (st == VV_OK)
         st = vvi_normals_of(a.normals, a.positions, m->n_vertices, a.triangles, m->n_triangles, job);
     if (st == VV_OK)
@@ -100,7 +100,7 @@ static vv_status add_normals(vv_mesh **mesh, vv_job *job)
 static bool has_colors(const vv_mesh_info *m)
 {
     for (size_t i = 0; i < m->n_parts; i++)
-        if (m->parts[i].color.a >= 0)
+        if (m->parts[i].color.a >= 0 || m->parts[i].texture)
             return true;
     return m->colors;
 }
@@ -192,7 +192,7 @@ static size_t count_plain(const vv_mesh_actor *shape)
     if (shape->one_color || shape->colors || m->colors)
         return 0;
     for (size_t i = 0; i < m->n_parts; i++)
-        n += m->parts[i].color.a < 0;
+        n += m->parts[i].color.a < 0 && !m->parts[i].texture;
     return m->n_parts ? n : 1;
 }
 
@@ -213,7 +213,7 @@ static vv_status color_parts(vv_mesh_actor *shape, int64_t *n_given, vv_job *job
         return vv_fail_memory(bytes);
     memcpy(parts, m->parts, bytes);
     for (size_t i = 0; i < m->n_parts; i++)
-        if (parts[i].color.a < 0)
+        if (parts[i].color.a < 0 && !parts[i].texture)
             parts[i].color = next_color(n_given);
     return VV_OK;
 }
@@ -237,6 +237,14 @@ vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job)
         shape->look.color[0] = (float)c.r, shape->look.color[1] = (float)c.g, shape->look.color[2] = (float)c.b;
     }
     return st;
+}
+
+static bool has_textures(const vv_mesh_info *m)
+{
+    bool some = false;
+    for (size_t i = 0; i < m->n_parts; i++)
+        some |= m->parts[i].texture && m->parts[i].texture <= m->n_textures;
+    return some && m->coordinates;
 }
 
 /* The whole ------------------------------------------------------------------------------------------------------- */
@@ -271,7 +279,10 @@ vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_
         return st;
     vvi_resolve_shading(look, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = look, .path = path};
-    return resolve_colors(shape, &cast, job);
+    if ((st = resolve_colors(shape, &cast, job)) != VV_OK || !has_textures(vv_mesh_get_info(shape->mesh)))
+        return st;
+    st = vvi_gfx_textures_get(&shape->textures, shape->mesh, job);
+    return st == VV_OK ? VV_OK : vv_fail_in(st, "%s", path);
 }
 
 void vvi_shape_corners(vv_vec3 out[8], const vv_mesh_actor *shape)
@@ -290,4 +301,5 @@ void vvi_shape_finish(vv_mesh_actor *shape)
     vv_mesh_release(shape->mesh);
     vvi_free((void *)shape->colors);
     vvi_free((void *)shape->parts);
+    vvi_cache_release(shape->textures);
 }

@@ -1,7 +1,9 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
+#include "gfx/texture.h"
 #include "grid/field.h"
+#include "grid/mesh.h"
 #include "grid/probe.h"
 #include "render/surface/surface.h"
 #include "server/page_shape_impl.h"
@@ -9,6 +11,7 @@
 #include "surface/compact.h"
 #include "surface/reduced.h"
 #include "surface/simplify.h"
+#include "surface/vertex_places.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -127,12 +130,49 @@ static vv_status make_boxes(vvi_compact *out, vvi_page_shape_file *file, const m
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
 
+static void put_color(uint8_t bytes[4], const double rgb[3])
+{
+    for (int k = 0; k < 3; k++)
+        bytes[k] = (uint8_t)lround(255 * vv_srgb_encode(fmin(fmax(rgb[k], 0), 1)));
+    bytes[3] = 255;
+}
+
+/* Where a triangle lies on its image; of one that does not say, anywhere and all of it. */
+static void look_at_image(double at[3][2], double across[2][2], const vv_mesh_info *m, size_t triangle)
+{
+    const uint32_t *corner = m->coordinate_of ? m->coordinate_of : m->triangles;
+    for (size_t k = 0; k < 3; k++)
+        for (size_t c = 0; c < 2; c++)
+            at[k][c] = m->coordinates ? (double)m->coordinates[2 * (size_t)corner[3 * triangle + k] + c] : 0.5;
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < 2; c++)
+            across[i][c] = m->coordinates ? at[i + 1][c] - at[0][c] : i == c;
+}
+
+/* At each vertex the mean of the image over a triangle around it. */
+static void color_by_image(uint8_t *out, const vv_mesh_actor *shape, const vv_mesh_info *m, const vv_mesh_part *part,
+                           size_t texture)
+{
+    const vv_color white = {1, 1, 1, 1}, *factor = part->color.a < 0 ? &white : &part->color;
+    for (size_t t = part->first_triangle; t < part->first_triangle + part->n_triangles; t++) {
+        double at[3][2], across[2][2];
+        look_at_image(at, across, m, t);
+        for (size_t k = 0; k < 3; k++) {
+            double seen[4];
+            vvi_gfx_texture_at(seen, vvi_cached_value(shape->textures), texture - 1, at[k], (const double(*)[2])across);
+            const double rgb[3] = {seen[0] * factor->r, seen[1] * factor->g, seen[2] * factor->b};
+            put_color(out + 4 * (size_t)m->triangles[3 * t + k], rgb);
+        }
+    }
+}
+
 /* Those of values, of the mesh itself or of its parts; NULL, and VV_OK: it has one colour. */
 static vv_status find_colors(uint8_t **out, const vv_mesh_actor *shape, const vv_mesh_info *mesh, vv_job *job)
 {
     const uint8_t *given = shape->colors ? shape->colors : mesh->colors;
     const vv_mesh_part *parts = shape->parts ? shape->parts : mesh->parts;
-    const vv_vec3 own = {(double)shape->look.color[0], (double)shape->look.color[1], (double)shape->look.color[2]};
+    const vv_mesh_info *own = vv_mesh_get_info(shape->mesh); /* a simplified one has lost its images */
+    const vv_vec3 plain = {(double)shape->look.color[0], (double)shape->look.color[1], (double)shape->look.color[2]};
     *out = NULL;
     if (shape->one_color || (!given && !parts))
         return VV_OK;
@@ -145,10 +185,14 @@ static vv_status find_colors(uint8_t **out, const vv_mesh_actor *shape, const vv
     }
     for (size_t i = 0; i < mesh->n_parts; i++) {
         const vv_color *c = &parts[i].color;
-        const double rgb[3] = {c->a < 0 ? own.x : c->r, c->a < 0 ? own.y : c->g, c->a < 0 ? own.z : c->b};
-        uint8_t bytes[4] = {0, 0, 0, 255};
-        for (int k = 0; k < 3; k++)
-            bytes[k] = (uint8_t)lround(255 * vv_srgb_encode(fmin(fmax(rgb[k], 0), 1)));
+        const double rgb[3] = {c->a < 0 ? plain.x : c->r, c->a < 0 ? plain.y : c->g, c->a < 0 ? plain.z : c->b};
+        uint8_t bytes[4];
+        const size_t texture = own->n_parts == mesh->n_parts && shape->textures ? own->parts[i].texture : 0;
+        if (texture) {
+            color_by_image(*out, shape, mesh, &parts[i], texture);
+            continue;
+        }
+        put_color(bytes, rgb);
         for (size_t v = 3 * parts[i].first_triangle; v < 3 * (parts[i].first_triangle + parts[i].n_triangles); v++)
             memcpy(*out + 4 * (size_t)mesh->triangles[v], bytes, 4);
     }
@@ -162,6 +206,19 @@ static vv_status simplify(vv_mesh **out, const making *m)
     if (!vvi_can_simplify())
         return vv_fail(VV_E_LIMIT, "volumes.%s: has more triangles than the page asked for", m->actor->id);
     return vvi_mesh_simplify(out, NULL, m->mesh->mesh, &o, m->job);
+}
+
+/* Vertices at one place count as one. */
+static vv_status find_closed(bool *closed, const vv_mesh_info *mesh, vv_job *job)
+{
+    uint32_t *place;
+    vvi_mesh_edges edges = {0};
+    vv_status st = vvi_number_places(&place, mesh->positions, mesh->n_vertices, job);
+    if (st == VV_OK)
+        st = vvi_mesh_count_edges(&edges, mesh, place, job);
+    vvi_free(place);
+    *closed = mesh->n_triangles && edges.open == 0 && edges.uneven == 0;
+    return st;
 }
 
 static vv_status make_mesh(vvi_compact *out, vvi_page_shape_file *file, const making *m)
@@ -181,6 +238,8 @@ static vv_status make_mesh(vvi_compact *out, vvi_page_shape_file *file, const ma
         shape.parts = NULL;
     }
     st = find_colors(&colors, &shape, mesh, m->job);
+    if (st == VV_OK)
+        st = find_closed(&file->closed, mesh, m->job);
     if (st == VV_OK)
         st = vvi_compact_mesh(out, mesh, colors, m->job);
     file->n_triangles = mesh->n_triangles;

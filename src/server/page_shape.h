@@ -17,6 +17,7 @@ typedef struct vvi_page_shape_file {
     int fd;            /**< of such a one; 0: it is on the disk */
     size_t n_bytes, n_triangles;
     int32_t step[3]; /**< of records: samples; else 0 */
+    bool closed;     /**< of a mesh: it has no open edges */
 } vvi_page_shape_file;
 
 typedef struct vvi_page_shape_options {

@@ -50,7 +50,7 @@ void vvi_shape_tell_part(vvi_result *out, const vvi_page_shape_file *file, const
     vvi_result_unsigned(out, "triangles", file->n_triangles);
     vvi_result_numbers(out, "step", (double[3]){file->step[0], file->step[1], file->step[2]}, 3);
     vvi_result_number(out, "value", value);
-    vvi_result_bool(out, "solid", !isnan(value));
+    vvi_result_bool(out, "solid", isnan(value) ? file->closed && actor->cap && actor->n_planes > 0 : true);
     tell_look(out, actor, place);
     vvi_result_close(out, '}');
 }

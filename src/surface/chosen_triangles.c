@@ -52,6 +52,7 @@ static vv_status make(vv_mesh **out, const vvi_chosen *c, uint32_t *number, uint
         a.triangles[k] = number[c->triangles[k]];
     if (n_parts(c))
         memcpy(a.parts, c->parts, n_parts(c) * sizeof *a.parts);
+    vvi_mesh_leave_textures(*out);
     return m->normals ? vvi_normals_of(a.normals, a.positions, info.n_vertices, a.triangles, info.n_triangles, job)
                       : VV_OK;
 }

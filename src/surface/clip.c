@@ -4,6 +4,7 @@
 #include "core/vec.h"
 #include "grid/mesh.h"
 #include "surface/fill.h"
+#include "surface/vertex_places.h"
 
 #include <string.h>
 
@@ -18,8 +19,10 @@ typedef struct crossing {
 
 typedef struct clipper {
     const vv_mesh_info *m;
+    size_t n_parts; /* of the mesh; 0: all of it is one */
     vv_plane plane;
-    bool cap;
+    bool cap, only_cap;
+    const uint32_t *place; /* the vertex that stands for each; NULL: itself */
     crossing *crossings;
     size_t n_crossings, first_of_part;
     uint32_t *slots; /* crossings by their edge: 1 + number, 0: free; n_slots is a power of 2 */
@@ -86,19 +89,27 @@ static vv_status cut(clipper *c, const uint32_t t[3], bool kept)
     crossing *from = &c->crossings[kept ? b : a]; /* a cap runs against the triangle */
     c->n_gaps += from->next != NONE;
     from->next = kept ? a : b;
+    if (c->only_cap)
+        return VV_OK;
     if (kept)
         return add_triangle(c, t[0], n + a, n + b);
     const vv_status st = add_triangle(c, n + a, t[1], t[2]);
     return st == VV_OK ? add_triangle(c, n + a, t[2], n + b) : st;
 }
 
-static vv_status take_triangle(clipper *c, const uint32_t *t)
+static uint32_t vertex_at(const clipper *c, uint32_t v)
 {
+    return c->place ? c->place[v] : v;
+}
+
+static vv_status take_triangle(clipper *c, const uint32_t *corner)
+{
+    const uint32_t t[3] = {vertex_at(c, corner[0]), vertex_at(c, corner[1]), vertex_at(c, corner[2])};
     const bool kept[3] = {is_kept(c, t[0]), is_kept(c, t[1]), is_kept(c, t[2])};
     const int n = kept[0] + kept[1] + kept[2];
-    if (n == 3)
+    if (n == 3 && !c->only_cap)
         return add_triangle(c, t[0], t[1], t[2]);
-    if (n == 0)
+    if (n == 0 || n == 3)
         return VV_OK;
     for (int i = 0; i < 3; i++)
         if (kept[i] == (n == 1))
@@ -127,28 +138,59 @@ static void axes_of(vv_vec3 *u, vv_vec3 *v, vv_vec3 normal)
     *v = vvi_cross(n, *u);
 }
 
-/* Loops of the part's crossings; those that end somewhere are left out. `points`: room for all; begin: n + 1. */
-static size_t follow(clipper *c, uint32_t *points, size_t *begin)
+/* From a crossing on, as far as it goes; how many. The last one leads to *end. */
+static size_t follow_chain(uint32_t *points, uint32_t *end, clipper *c, size_t from)
+{
+    size_t n = 0;
+    uint32_t at = (uint32_t)from;
+    while (c->crossings[at].next != NONE) {
+        const uint32_t next = c->crossings[at].next;
+        c->crossings[at].next = NONE;
+        points[n++] = at;
+        at = next;
+    }
+    *end = at;
+    return n;
+}
+
+/* Loops of the part's crossings; chains that do not close are left out. `points`: room for all; begin: n + 1; led: n,
+ * zeroed. */
+static size_t follow(clipper *c, uint32_t *points, size_t *begin, uint8_t *led)
 {
     size_t n = 0, n_loops = 0;
+    uint32_t end;
+    for (size_t i = c->first_of_part; i < c->n_crossings; i++)
+        if (c->crossings[i].next != NONE)
+            led[c->crossings[i].next] = 1;
+    for (size_t i = c->first_of_part; i < c->n_crossings; i++)
+        c->n_gaps += !led[i] && follow_chain(points, &end, c, i) > 0;
     for (size_t i = c->first_of_part; i < c->n_crossings; i++) {
-        const size_t first = n;
-        uint32_t at = (uint32_t)i;
-        while (c->crossings[at].next != NONE) {
-            const uint32_t next = c->crossings[at].next;
-            c->crossings[at].next = NONE;
-            points[n++] = at;
-            at = next;
-        }
-        const bool closed = n > first && at == i;
-        c->n_gaps += n > first && !closed;
-        if (!closed || n - first < 3) /* two sides there and back: nothing is open */
-            n = first;
-        else
-            begin[n_loops++] = first;
+        const size_t more = follow_chain(points + n, &end, c, i);
+        c->n_gaps += more > 0 && end != i; /* two ways lead there */
+        if (more < 3 || end != i)          /* two sides there and back: nothing is open */
+            continue;
+        begin[n_loops++] = n;
+        n += more;
     }
     begin[n_loops] = n;
     return n_loops;
+}
+
+/* The surface of a mesh that is inside out has its loops the wrong way round. */
+static void turn_loops(uint32_t *points, const vvi_loops *loops)
+{
+    double area = 0;
+    for (size_t i = 0; i < loops->n; i++)
+        for (size_t k = loops->begin[i], last = loops->begin[i + 1] - 1; k < loops->begin[i + 1]; last = k++) {
+            const double *p = loops->at + 2 * (size_t)points[last], *q = loops->at + 2 * (size_t)points[k];
+            area += p[0] * q[1] - p[1] * q[0];
+        }
+    for (size_t i = 0; i < loops->n && area < 0; i++)
+        for (size_t k = loops->begin[i], end = loops->begin[i + 1]; k + 1 < end; k++) {
+            const uint32_t other = points[--end];
+            points[end] = points[k];
+            points[k] = other;
+        }
 }
 
 static vv_status fill(clipper *c, const vvi_loops *loops)
@@ -171,7 +213,8 @@ static vv_status cap_part(clipper *c)
     double *at = vvi_alloc(c->job, (2 * n + 1) * sizeof *at, VVI_MEM_SCRATCH);
     uint32_t *points = vvi_alloc(c->job, (n + 1) * sizeof *points, VVI_MEM_SCRATCH);
     size_t *begin = vvi_alloc(c->job, (n + 1) * sizeof *begin, VVI_MEM_SCRATCH);
-    vv_status st = at && points && begin ? VV_OK : vv_fail_memory((2 * n + 1) * sizeof *at);
+    uint8_t *led = vvi_alloc_zeroed(c->job, n + 1, VVI_MEM_SCRATCH);
+    vv_status st = at && points && begin && led ? VV_OK : vv_fail_memory((2 * n + 1) * sizeof *at);
     axes_of(&u, &v, c->plane.normal);
     for (size_t i = c->first_of_part; i < n && st == VV_OK; i++) {
         float p[3];
@@ -180,12 +223,15 @@ static vv_status cap_part(clipper *c)
         at[2 * i + 1] = vvi_dot(v, vvi_vec((double)p[0], (double)p[1], (double)p[2]));
     }
     if (st == VV_OK) {
-        const size_t n_loops = follow(c, points, begin);
-        st = fill(c, &(vvi_loops){.at = at, .points = points, .begin = begin, .n = n_loops});
+        const vvi_loops loops = {.at = at, .points = points, .begin = begin, .n = follow(c, points, begin, led)};
+        if (c->only_cap)
+            turn_loops(points, &loops);
+        st = fill(c, &loops);
     }
     vvi_free(at);
     vvi_free(points);
     vvi_free(begin);
+    vvi_free(led);
     return st;
 }
 
@@ -203,8 +249,8 @@ static vv_status count(clipper *c)
         if (t % 65536 == 0 && vvi_job_poll(c->job) != VV_OK)
             return vv_error_last()->status;
     }
-    c->room = m->n_triangles - n_gone + c->n_cut;
-    if (n_gone == 0 && c->n_cut == 0)
+    c->room = c->only_cap ? c->n_cut : m->n_triangles - n_gone + c->n_cut;
+    if ((n_gone == 0 || c->only_cap) && c->n_cut == 0)
         return VV_OK;
     if (m->n_vertices + 2 * c->n_cut >= NONE)
         return vv_fail(VV_E_LIMIT, "a mesh of %zu vertices is too large to be cut; 2^32 are possible", m->n_vertices);
@@ -236,14 +282,14 @@ static vv_status cut_all(clipper *c)
 {
     const vv_mesh_info *m = c->m;
     vv_status st = VV_OK;
-    for (size_t i = 0; i < m->n_parts && st == VV_OK; i++) {
+    for (size_t i = 0; i < c->n_parts && st == VV_OK; i++) {
         const size_t first = c->n_triangles;
         st = cut_part(c, m->parts[i].first_triangle, m->parts[i].n_triangles);
         c->parts[i] = m->parts[i];
         c->parts[i].first_triangle = first;
         c->parts[i].n_triangles = c->n_triangles - first;
     }
-    return m->n_parts == 0 ? cut_part(c, 0, m->n_triangles) : st;
+    return c->n_parts == 0 ? cut_part(c, 0, m->n_triangles) : st;
 }
 
 static void put_crossing(const vvi_mesh_arrays *to, size_t v, const clipper *c, const crossing *at)
@@ -304,8 +350,9 @@ static vv_status make(vv_mesh **out, const clipper *c)
     uint32_t *numbers;
     vv_status st = number_vertices(&numbers, &info.n_vertices, c);
     info.n_triangles = c->n_triangles;
-    const unsigned with = (m->normals && !c->n_capped ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) |
-                          (m->colors ? VVI_MESH_COLORS : 0u);
+    info.n_parts = c->n_parts;
+    const unsigned kept = VVI_MESH_VALUES | VVI_MESH_COLORS | (c->n_capped ? 0u : VVI_MESH_NORMALS);
+    const unsigned with = c->only_cap ? 0 : vvi_mesh_arrays_of(m) & kept;
     if (st == VV_OK)
         st = vvi_mesh_new(out, &to, &info, with, c->job);
     for (size_t v = 0; v < m->n_vertices + c->n_crossings && st == VV_OK; v++) {
@@ -318,15 +365,32 @@ static vv_status make(vv_mesh **out, const clipper *c)
     }
     for (size_t i = 0; i < 3 * c->n_triangles && st == VV_OK; i++)
         to.triangles[i] = numbers[c->triangles[i]];
-    for (size_t i = 0; i < m->n_parts && st == VV_OK; i++)
+    for (size_t i = 0; i < c->n_parts && st == VV_OK; i++)
         to.parts[i] = c->parts[i];
+    if (st == VV_OK)
+        vvi_mesh_leave_textures(*out);
     vvi_free(numbers);
     return st;
 }
 
+static clipper begin(const vv_mesh *mesh, const vv_plane *plane, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    return (clipper){.m = m, .n_parts = m->n_parts, .plane = *plane, .job = job};
+}
+
+static void finish(clipper *c)
+{
+    vvi_free(c->crossings);
+    vvi_free(c->slots);
+    vvi_free(c->triangles);
+    vvi_free(c->parts);
+}
+
 static vv_status clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plane, bool cap, vv_job *job)
 {
-    clipper c = {.m = vv_mesh_get_info(mesh), .plane = *plane, .cap = cap, .job = job};
+    clipper c = begin(mesh, plane, job);
+    c.cap = cap;
     vv_status st = count(&c);
     if (st == VV_OK && !c.slots) {
         *out = vv_mesh_retain(mesh);
@@ -339,10 +403,7 @@ static vv_status clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plane,
                 "the surface is open where it is cut, at %zu places, which stay open; close its own border first, with "
                 "--cap",
                 c.n_gaps);
-    vvi_free(c.crossings);
-    vvi_free(c.slots);
-    vvi_free(c.triangles);
-    vvi_free(c.parts);
+    finish(&c);
     return st;
 }
 
@@ -359,5 +420,52 @@ vv_status vvi_mesh_clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plan
         now = next;
     }
     *out = now;
+    return st;
+}
+
+/* Only the face; *out NULL: the plane does not meet it. */
+static vv_status cut_face(vv_mesh **out, size_t *n_gaps, clipper *c)
+{
+    c->cap = c->only_cap = true;
+    vv_status st = count(c);
+    if (st == VV_OK && c->slots && (st = cut_all(c)) == VV_OK && c->n_triangles)
+        st = make(out, c);
+    *n_gaps = c->n_gaps;
+    finish(c);
+    return st;
+}
+
+vv_status vvi_mesh_section(vv_mesh **out, size_t *n_gaps, const vv_mesh *mesh, const vv_plane *plane, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    uint32_t *place = NULL;
+    vv_status st = VV_OK;
+    *out = NULL;
+    *n_gaps = SIZE_MAX;
+    for (int way = 0; way < 3 && *n_gaps && st == VV_OK; way++) {
+        clipper c = begin(mesh, plane, job);
+        vv_mesh *face = NULL;
+        size_t n;
+        if (way == 1)
+            st = vvi_number_places(&place, m->positions, m->n_vertices, job);
+        if (way == 2 && !m->n_parts)
+            break;
+        c.place = place;
+        c.n_parts = way == 2 ? 0 : m->n_parts;
+        if (st == VV_OK)
+            st = cut_face(&face, &n, &c);
+        if (st == VV_OK && n < *n_gaps) {
+            vv_mesh_release(*out);
+            *out = face;
+            *n_gaps = n;
+        } else {
+            vv_mesh_release(face);
+        }
+    }
+    vvi_free(place);
+    if (st == VV_OK)
+        return VV_OK;
+    vv_mesh_release(*out);
+    *out = NULL;
     return st;
 }

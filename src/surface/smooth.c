@@ -280,24 +280,15 @@ static void put_vertex(float out[3], const work *w, size_t v)
         memcpy(out, w->mesh->positions + 3 * v, 3 * sizeof *out);
 }
 
-static vv_status make_mesh(vv_mesh **out, const work *w)
+static vv_status make_mesh(vv_mesh **out, const vv_mesh *mesh, const work *w)
 {
     const vv_mesh_info *m = w->mesh;
-    const unsigned with =
-        (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
     vvi_mesh_arrays a;
-    vv_status st = vvi_mesh_new(out, &a, m, with, w->job);
+    vv_status st = vvi_mesh_copy(out, &a, mesh, vvi_mesh_with(mesh), w->job);
     if (st != VV_OK)
         return st;
     for (size_t v = 0; v < m->n_vertices; v++)
         put_vertex(a.positions + 3 * v, w, w->place[v]);
-    memcpy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
-    if (m->values)
-        memcpy(a.values, m->values, m->n_vertices * sizeof *a.values);
-    if (m->colors)
-        memcpy(a.colors, m->colors, 4 * m->n_vertices);
-    if (a.parts)
-        memcpy(a.parts, m->parts, m->n_parts * sizeof *a.parts);
     if (m->normals)
         st = vvi_normals_of(a.normals, a.positions, m->n_vertices, a.triangles, m->n_triangles, w->job);
     if (st != VV_OK) {
@@ -330,7 +321,7 @@ vv_status vvi_mesh_smooth(vv_mesh **out, const vv_mesh *mesh, const vvi_smooth_o
     if ((st = check(options)) != VV_OK)
         return st;
     if ((st = prepare(&w)) == VV_OK && (st = smooth(&w)) == VV_OK)
-        st = make_mesh(out, &w);
+        st = make_mesh(out, mesh, &w);
     vvi_free(w.place);
     vvi_free(w.to.first);
     vvi_free(w.to.all);

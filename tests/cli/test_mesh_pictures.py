@@ -157,6 +157,20 @@ def test_colours_are_the_volumes_the_vertices_or_of_the_values():
     says(fails(2, "render", "plain.ply", *FLAT, "--tf", "gray", "-o", "no.png"), "no values")
 
 
+def test_values_have_their_colours_between_vertices_too():
+    """Of two vertices 0 and 1 whose colours are red and blue the middle is green where the map has green there."""
+    write_ply("value.ply", *square(), ("float quality",), ["0", "1", "1", "0"])
+    decode = lambda v: numpy.where(v <= 10.31475, v / 3294.6, ((v / 255 + 0.055) / 1.055) ** 2.4)
+    for method in ("surface", "raycast"):
+        render("value.ply", *FLAT, "--size", "151x151", "--spp", 1, "--method", method, "--tf", "0:1#ff0000 0.5:1#00ff00 1:1#0000ff")
+        row = decode(pixels("out.png")[75].astype(float))
+        x = numpy.nonzero(row.max(axis=1))[0]
+        value = (x + 0.5 - 75.5) / 75.5 + 0.5
+        value = value if row[x[0], 0] > 0.5 else 1 - value
+        want = numpy.stack([numpy.maximum(1 - 2 * value, 0), 1 - abs(2 * value - 1), numpy.maximum(2 * value - 1, 0)], axis=1)
+        assert len(x) > 60 and abs(row[x] - want).max() < 0.012, (method, abs(row[x] - want).max())
+
+
 def test_values_that_most_vertices_share_give_no_colours():
     places, triangles = sphere(1)
     def colors(values, *words):
@@ -266,6 +280,54 @@ def test_meshes_come_by_a_pipe():
     ok("render", "-", "-o", "piped.png", stdin=open("box.ply", "rb").read())
     ok("render", "box.ply", "-o", "named.png")
     assert png_pixels("piped.png") == png_pixels("named.png")
+
+
+def layers_of(*words):
+    """Of a picture with nothing but these meshes, in which a pixel is a tenth of a length, seen from above."""
+    told = ok("render", *words, "--view", "top", "--parallel", "15.1", "--size", "151x151", "--spp", 1, "--aov", "id,depth,normal", "-o", "a.exr", "--overwrite")
+    return told, next(part for part in exr.read("a.exr") if isinstance(part, dict) and "id" in part)
+
+
+def test_closed_meshes_show_a_face_where_they_are_cut():
+    write_ply("ball.ply", *sphere(5, 200))
+    for method in ("surface", "raycast"):
+        for words, away, clipped in ((["--clip", "z:..3"], 4, 0), (["--clip", "z:..3", "--clip", "x:0.."], 4, 0.5)):
+            told, layers = layers_of("ball.ply", "--method", method, *words)
+            face = (layers["id"] == 1) & (layers["normal.Z"] > 0.99999) & (abs(layers["Z"] - numpy.median(layers["Z"][layers["id"] == 1])) < 1e-3)
+            y, x = numpy.indices(face.shape) - 75.0
+            disc = (numpy.hypot(x, y) < 10 * away) & ((x > 0) | (clipped == 0))
+            assert (face != disc)[abs(numpy.hypot(x, y) - 10 * away) > 1][:].mean() < 0.006, (method, words)
+            assert abs(face.sum() / (math.pi * 1600 * (1 - clipped)) - 1) < 0.02, (method, words, face.sum())
+            assert "hollow" not in told.message, told.message
+        told, layers = layers_of("ball.ply", "--method", method, "--clip", "z:..3", "--set", "shading.cap=false")
+        assert (layers["normal.Z"] > 0.99999).sum() < 100 and "hollow" not in told.message, "one looks inside"
+        at, beside = ok("pick", "ball.ply", "--method", method, "--clip", "z:..3", "--view", "top", "--parallel", 15.1, "--size", 151,
+                        "--pixel", "75,75", "--pixel", "75,30", "--json").json["pixels"]
+        assert at["cut"] and "triangle" not in at and at["volume"] == "ball" and abs(at["world"][2] - 3) < 1e-5, at
+        assert at["normal"] == [0, 0, 1] and not beside["cut"] and beside["triangle"] > 0, (at, beside)
+
+
+def test_faces_of_cuts_have_the_colours_of_parts_and_open_meshes_are_hollow():
+    with open("two.obj", "w") as file, open("two.mtl", "w") as library:
+        file.write("# up: z\nmtllib two.mtl\n")
+        first = 1
+        for name, at, kd in (("left", -2.5, "1 0 0"), ("right", 2.5, "0 0 1")):
+            library.write(f"newmtl {name}\nKd {kd}\n")
+            places, triangles = sphere(2, 60, (at, 0, 0))
+            file.writelines("v %r %r %r\n" % p for p in places)
+            file.write(f"g {name}\nusemtl {name}\n")
+            file.writelines("f %d %d %d\n" % tuple(first + v for v in t) for t in triangles)
+            first += len(places)
+    look = ["--no-shading", "--view", "top", "--parallel", "15.1", "--size", "151x151", "--spp", 1, "--background", "black"]
+    for method in ("surface", "raycast"):
+        render("two.obj", *look, "--method", method, "--clip", "z:..0")
+        at = picture()
+        assert at(50, 75) == (255, 0, 0) and at(100, 75) == (0, 0, 255) and at(75, 75) == (0, 0, 0)
+    places, triangles = sphere(5, 60)
+    write_ply("bowl.ply", places, [t for t in triangles if max(places[v][2] for v in t) < 1])
+    said = ok("render", "bowl.ply", *look, "--clip", "x:..1", "-o", "a.png").message
+    says(said, "volumes.bowl", "open", "hollow")
+    assert "hollow" not in ok("render", "bowl.ply", *look, "--clip", "z:-2..", "-o", "b.png").message
 
 
 def rasterised(path, size):

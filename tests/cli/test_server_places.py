@@ -142,7 +142,7 @@ def test_what_lies_behind_a_link_outside_is_not_listed():
             assert [(e["bytes"], e["kind"]) for e in top[1:]] == [(size, "volume")] * 3, top
             assert [e["name"] for e in (await page.ask("browse", path="sub"))["entries"]] == ["up.nrrd"]
             assert await page.refused("browse", path="folder")
-    with Server("--root", "a", verb="serve") as server:
+    with Server("a/in.obj", "--root", "a", verb="serve") as server:
         run(work(server))
     with Server("a/ball.nrrd") as server:  # a root that is all of the system
         async def everywhere():
@@ -169,7 +169,7 @@ def test_a_folder_that_is_a_volume_is_listed_as_one_and_opened():
             assert (await page.ask("info", dataset=name))["dims"] == [16, 16, 16]
             await page.resting()
             assert not errors(page)
-    with Server("--root", "a", verb="serve") as server:
+    with Server("a/in.obj", "--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -215,7 +215,7 @@ def test_parts_of_a_folder_are_opened_by_name():
                          "../secret.ome.zarr:0"):
                 assert await page.refused("open", path=name), name
             assert not errors(page)
-    with Server("--root", "a", verb="serve") as server:
+    with Server("a/in.obj", "--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -240,7 +240,7 @@ def test_scenes_of_pictures_are_read_by_the_import_program_and_are_what_they_wer
                     file.write(whole[:n])
                 await page.answer("open", path="cut.png")
             await page.ask("open", path="ball.nrrd")
-    with Server("--root", "a", verb="serve") as server:
+    with Server("a/in.obj", "--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -261,7 +261,7 @@ def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
     import served as pages
     pages.VOLVIS = harness.VOLVIS
     try:
-        with Server("--root", "a", verb="serve") as server:
+        with Server("a/in.obj", "--root", "a", verb="serve") as server:
             async def served():
                 async with Page(server) as page:
                     for name in ("ball.nrrd", "box.ply", *(f"pic.{suffix}" for suffix in PICTURES)):
@@ -340,6 +340,46 @@ def test_a_font_below_the_root_is_read_only_where_it_was_given():
     for words, warned in (((), False), (("--safe",), True), (("--safe", "--set", "views.main.decorations.font=a/font.ttf"), False)):
         run_ = harness.volvis("render", "a/stranger.vv.json", "--size", "200x100", "-o", "o.png", "--overwrite", *words)
         assert run_.code == 0 and ("a font is read here only" in run_.message) == warned, (words, run_.message)
+
+
+def test_images_on_meshes_are_read_below_the_root_and_shown():
+    from PIL import Image
+    import io
+    import struct
+    import urllib.request
+    os.makedirs("a")
+    Image.new("RGB", (5, 3), (200, 40, 10)).save("a/red.png")
+    Image.new("RGB", (5, 3), (10, 40, 200)).save("outside.png")
+    for name, image in (("in", "red.png"), ("out", "../outside.png"), ("link", "link.png")):
+        with open(f"a/{name}.mtl", "w") as file:
+            file.write(f"newmtl m\nKd 1 1 1\nmap_Kd {image}\n")
+        with open(f"a/{name}.obj", "w") as file:
+            file.write(f"# up: z\nmtllib {name}.mtl\n" + "".join(f"v {i % 2} {i // 2 % 2} {i // 4}\n" for i in range(8)))
+            file.write("vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\n")
+            for face in ((1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)):
+                file.write("f " + " ".join(f"{v}/{k + 1}" for k, v in enumerate(face)) + "\n")
+    os.symlink("../outside.png", "a/link.png")
+
+    async def work(server):
+        async with Page(server, 64, 64) as page:
+            for name, seen in (("in.obj", True), ("out.obj", False), ("link.obj", False)):
+                await page.ask("open", path=name)
+                await page.edit(("set", "shading.model", "none"), ("set", "cut_planes", [{"normal": [1, 1, 1], "offset": 1}]))
+                image = Image.open(io.BytesIO((await page.resting()).data)).convert("RGB")
+                colors = {c for n, c in image.getcolors(4096)}
+                near = [c for c in colors if max(abs(a - b) for a, b in zip(c, (200, 40, 10))) < 12]
+                assert bool(near) == seen and not [c for c in colors if c[2] > c[0] + 60], (name, colors)
+                shape = await page.ask("shape", method="reduced")
+                part = shape["parts"][0]
+                assert part["solid"] and len(part["planes"]) == 1, part
+                request = urllib.request.Request(server.base + part["url"], headers={"Cookie": server.cookie()})
+                data = urllib.request.urlopen(request).read()
+                vertices, triangles = struct.unpack("<II", data[104:112])
+                assert vertices == 8 and struct.unpack("<H", data[6:8])[0] & 1
+                found = data[112 + 12 * triangles:][:4]
+                assert (max(abs(a - b) for a, b in zip(found, (200, 40, 10))) <= 1) == seen, (name, tuple(found))
+    with Server("a/in.obj", "--root", "a", verb="serve") as server:
+        run(work(server))
 
 
 if __name__ == "__main__":

@@ -16,6 +16,11 @@ static void check(const vv_mesh *mesh)
         next += m->parts[i].n_triangles;
     }
     fuzz_expect(m->n_parts == 0 || next == m->n_triangles);
+    for (size_t i = 0; i < m->n_parts; i++)
+        fuzz_expect(m->parts[i].texture <= m->n_textures);
+    for (size_t i = 0; m->coordinate_of && i < 3 * m->n_triangles; i++)
+        fuzz_expect(m->coordinate_of[i] < m->n_coordinates);
+    fuzz_expect(!m->coordinates || m->coordinate_of || m->n_coordinates == m->n_vertices);
     const vv_status st = vv_mesh_count_topology(&topology, mesh, fuzz_job());
     fuzz_expect(st != VV_OK || topology.n_edges <= 3 * m->n_triangles);
 }

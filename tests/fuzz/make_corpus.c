@@ -250,11 +250,14 @@ static void write_grids(void)
 /* Every mesh format in each of its encodings; what our writers never do. */
 static void write_meshes(void)
 {
+    static const unsigned contents[] = {
+        0, 5, 10, 15, TEST_MESH_PARTS | TEST_MESH_TEXTURES, TEST_MESH_PARTS | TEST_MESH_TEXTURES | TEST_MESH_CORNERS};
     const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
     for (size_t f = 0; formats[f]; f++)
         for (size_t k = 0; k == 0 || (formats[f]->encodings && formats[f]->encodings[k]); k++)
-            for (unsigned with = 0; with < 16; with += 5) {
+            for (size_t i = 0; i < sizeof contents / sizeof *contents; i++) {
                 char name[64];
+                const unsigned with = contents[i];
                 vv_mesh *mesh = test_mesh_strip(3, with);
                 vv_mesh_write_options options;
                 vv_mesh_write_options_init(&options, sizeof options);
@@ -268,6 +271,21 @@ static void write_meshes(void)
              "ply\nformat ascii 1.0\nobj_info a b\nelement vertex 4\nproperty double x\nproperty short y\nproperty "
              "char z\nelement tristrips 1\nproperty list int int vertex_indices\nelement edge 1\nproperty int "
              "a\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n6 0 1 2 3 -1 0\n7\n");
+    put_text("mesh", "image.ply",
+             "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float "
+             "y\nproperty float z\nproperty float u\nproperty float v\nelement face 1\nproperty list uchar int "
+             "vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\nend_header\n0 0 0 0 0\n1 0 "
+             "0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3 8 0 0 1 0 1 1 0 1 0\n");
+    put_text(
+        "mesh", "image.gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
+        "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_1\":1},\"material\":0}]}],\"materials\":[{"
+        "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.3,\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,"
+        "\"texCoord\":1,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,3],\"offset\":[0.1,0.2],"
+        "\"rotation\":1}}}}}],\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":33648}],"
+        "\"images\":[{\"uri\":\"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mP4"
+        "z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC\"}],\"accessors\":[{\"count\":3,\"componentType\":5126,\"type\":\"VEC3\"},"
+        "{\"count\":3,\"componentType\":5126,\"type\":\"VEC2\"}]}");
     put_text("mesh", "concave.obj",
              "mtllib a.mtl\nv 0 0 0 1 0 0\nv 2 1 0\nv 0 2 0 1\nv 1 1 0\nvn 0 0 1\nvn 0 1 0\ng a b\nusemtl c\ns "
              "off\nf -4/1/1 \\\n -3//2 -2 4\nl 1 2\ng\nf 1 2 3\n");

@@ -133,6 +133,19 @@ static void fill_parts(vv_mesh_part *parts, size_t n)
     }
 }
 
+static void add_textures(vv_mesh *mesh, vv_mesh_part *parts)
+{
+    static const uint8_t red[4 * 3 * 2] = {255, 0, 0, 255, 200, 10, 20, 255, 5, 6, 7, 255}, blue[4] = {1, 2, 250, 255};
+    const vv_mesh_texture both[2] = {{.name = "red.png", .width = 3, .height = 2, .pixels = red},
+                                     {.name = "blue.png", .width = 1, .height = 1, .pixels = blue}};
+    vvi_mesh_textures *textures;
+    if (vvi_mesh_textures_copy(&textures, &(vv_mesh_info){.n_textures = 2, .textures = both}, NULL) != VV_OK)
+        abort();
+    vvi_mesh_set_textures(mesh, textures);
+    parts[0].texture = 2;
+    parts[1].texture = 1;
+}
+
 vv_mesh *test_mesh_strip(size_t n, unsigned with)
 {
     vv_mesh *mesh = NULL;
@@ -145,8 +158,16 @@ vv_mesh *test_mesh_strip(size_t n, unsigned with)
     strcpy(info.value_unit, "HU");
     if (with & TEST_MESH_FAR)
         info.origin = (vv_vec3){1e6, -2e6, 3e6};
-    if (vvi_mesh_new(&mesh, &a, &info, with & 7, NULL) != VV_OK)
+    const bool placed = with & TEST_MESH_TEXTURES && info.n_parts, cornered = placed && with & TEST_MESH_CORNERS;
+    info.n_coordinates = cornered ? 3 * n : info.n_vertices;
+    if (vvi_mesh_new(&mesh, &a, &info,
+                     (with & 7) | (placed ? VVI_MESH_COORDINATES : 0u) | (cornered ? VVI_MESH_CORNERS : 0u),
+                     NULL) != VV_OK)
         return NULL;
+    for (size_t i = 0; placed && i < 2 * info.n_coordinates; i++)
+        a.coordinates[i] = 3 * next_random(&seed) - 1;
+    for (size_t i = 0; cornered && i < 3 * n; i++)
+        a.coordinate_of[i] = (uint32_t)(i * 7 % (3 * n));
     for (size_t i = 0; i < info.n_vertices; i++)
         fill_vertex(&a, i, &seed);
     for (size_t t = 0; t < n; t++)
@@ -154,5 +175,7 @@ vv_mesh *test_mesh_strip(size_t n, unsigned with)
             a.triangles[3 * t + k] = (uint32_t)(t + k);
     if (info.n_parts)
         fill_parts(a.parts, n);
+    if (placed)
+        add_textures(mesh, a.parts);
     return mesh;
 }

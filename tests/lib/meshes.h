@@ -16,7 +16,16 @@ double test_mesh_volume(const vv_mesh *mesh);
 vv_vec3 test_mesh_vertex(const vv_mesh *mesh, size_t vertex);
 
 /** A strip of n triangles (t, t + 1, t + 2) between n + 2 vertices at random places, in millimetres; parts: three of
- * them, where there are three triangles. FAR: a million off. No triangles: no vertices. */
+ * them, where there are three triangles. FAR: a million off. TEXTURES: two images, coordinates of vertices, with PARTS,
+ * of which the last has none; CORNERS: of corners. No triangles: no vertices. */
 vv_mesh *test_mesh_strip(size_t n, unsigned with);
-enum { TEST_MESH_NORMALS = 1, TEST_MESH_VALUES = 2, TEST_MESH_COLORS = 4, TEST_MESH_PARTS = 8, TEST_MESH_FAR = 16 };
+enum {
+    TEST_MESH_NORMALS = 1,
+    TEST_MESH_VALUES = 2,
+    TEST_MESH_COLORS = 4,
+    TEST_MESH_PARTS = 8,
+    TEST_MESH_FAR = 16,
+    TEST_MESH_TEXTURES = 32,
+    TEST_MESH_CORNERS = 64
+};
 #endif

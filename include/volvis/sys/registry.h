@@ -95,7 +95,8 @@ typedef enum vv_mesh_holds {
     VV_MESH_HOLDS_PARTS = 8,        /**< with their names */
     VV_MESH_HOLDS_PART_COLORS = 16, /**< of parts */
     VV_MESH_HOLDS_UNIT = 32,
-    VV_MESH_HOLDS_DOUBLES = 64 /**< places in double precision */
+    VV_MESH_HOLDS_DOUBLES = 64,  /**< places in double precision */
+    VV_MESH_HOLDS_TEXTURES = 128 /**< images, and where they lie on triangles */
 } vv_mesh_holds;
 
 /** A mesh file format. */

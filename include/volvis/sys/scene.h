@@ -136,7 +136,8 @@ typedef struct vv_mesh_actor {
     double opacity;        /**< factor */
     bool one_color;        /**< that of `look`, whatever the mesh says */
     const uint8_t *colors; /**< sRGB and alpha of each vertex, by its value; NULL: the mesh's own */
-    const vv_mesh_part *parts; /**< those of the mesh, with colours to tell them apart; NULL: the mesh's own */
+    const vv_mesh_part *parts;   /**< those of the mesh, with colours to tell them apart; NULL: the mesh's own */
+    struct vvi_cached *textures; /**< the mesh's, made ready to be drawn; NULL: it has none */
 } vv_mesh_actor;
 
 typedef struct vv_scene {

@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "import/import_image.h"
 #include "io/format.h"
+#include "io/image_source.h"
 #include "io/images/pfm.h"
 #include "io/open_place.h"
 #include "io/sink.h"
@@ -279,15 +280,36 @@ static const vv_image_format *format_of(const uint8_t *head, size_t n, const cha
     return found;
 }
 
+static const vv_image_format *format_of_source(vv_source *source, const vv_job *job)
+{
+    size_t n = 0;
+    const uint8_t *head = vvi_source_peek(source, HEAD_BYTES, &n);
+    return format_of(head, n, vvi_source_name(source), job);
+}
+
+static vv_status read_source(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source,
+                             const vv_image_format *format, vv_job *job)
+{
+    if (!format->read)
+        return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "images in format %s can only be written",
+                          format->name);
+    return format->read(out, text_out, n_text_out, source, job);
+}
+
+vv_status vvi_image_read_source(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job)
+{
+    const vv_image_format *format = format_of_source(source, job);
+    *out = NULL;
+    return format ? read_source(out, text_out, n_text_out, source, format, job) : fail_unknown(vvi_source_name(source));
+}
+
 static vv_status open_image(vv_source **source_out, const vv_image_format **format_out, const char *path, vv_job *job)
 {
     *format_out = NULL;
     const vv_status st = vvi_source_open(source_out, path, job);
     if (st != VV_OK)
         return st;
-    size_t n = 0;
-    const uint8_t *head = vvi_source_peek(*source_out, HEAD_BYTES, &n);
-    *format_out = format_of(head, n, path, job);
+    *format_out = format_of_source(*source_out, job);
     if (*format_out)
         return VV_OK;
     vvi_source_close(*source_out);
@@ -367,10 +389,7 @@ vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, 
     vv_status st = open_image(&source, &format, path, job);
     if (st != VV_OK || !format)
         return st;
-    if (!format->read)
-        st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "images in format %s can only be written", format->name);
-    else
-        st = format->read(out, text_out, n_text_out, source, job);
+    st = read_source(out, text_out, n_text_out, source, format, job);
     vvi_source_close(source);
     return st;
 }

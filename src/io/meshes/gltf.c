@@ -6,10 +6,12 @@
 #include "core/units.h"
 #include "io/json.h"
 #include "io/meshes/mesh_colors.h"
+#include "io/meshes/mesh_texture.h"
 #include "io/scan.h"
 #include "registry.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <volvis/image.h>
 
@@ -19,9 +21,27 @@ const vv_affine vvi_gltf_to_volvis = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0,
 
 /* What the vertices of a primitive are; the same for the next one of many files' parts. */
 typedef struct attributes {
-    size_t position, normal, color, value;
-    bool has_position, has_normal, has_color, has_value;
+    size_t position, normal, color, value, coordinate;
+    bool has_position, has_normal, has_color, has_value, has_coordinate;
+    double factor[4];      /* of colours */
+    double to_image[2][3]; /* coordinates there to those here: rows */
 } attributes;
+
+/* What a primitive's triangles look like. */
+typedef struct material {
+    double factor[4], color[4];
+    bool colored; /* color is there: the factor, or what our own writer noted of a part beside colours of vertices */
+    int64_t coordinates; /* number of the attribute */
+    double to_image[2][3];
+    size_t texture; /* as in vv_mesh_part */
+} material;
+
+/* An image of the file that was read with an alpha and in a way of going on. */
+typedef struct image_read {
+    const json_t *image;
+    vvi_texture_use use;
+    size_t texture;
+} image_read;
 
 typedef struct reader {
     vvi_gltf g;
@@ -30,9 +50,12 @@ typedef struct reader {
     bool *seen;           /* nodes */
     attributes last;
     vv_affine last_map;
-    size_t first_vertex;                         /* of the last ones */
-    size_t n_other;                              /* primitives of points and lines */
-    bool counting;                               /* the first of two walks: nothing is made yet */
+    size_t first_vertex; /* of the last ones */
+    size_t n_other;      /* primitives of points and lines */
+    bool counting;       /* the first of two walks: nothing is made yet */
+    bool any_colors;     /* some vertices have colours: all others have their material's */
+    image_read *images;
+    size_t n_images;
     uint64_t n_vertices, n_triangles, n_objects; /* counted */
     vv_notes *notes;
 } reader;
@@ -87,13 +110,17 @@ static vv_affine tidy(vv_affine a)
 
 /* Vertices -------------------------------------------------------------------------------------------------------- */
 
-static bool same_map(const vv_affine *a, const vv_affine *b)
+static bool same_numbers(const double *p, const double *q, size_t n)
 {
-    const double *const p = &a->axis[0].x, *const q = &b->axis[0].x;
-    for (size_t i = 0; i < sizeof *a / sizeof *p; i++)
+    for (size_t i = 0; i < n; i++)
         if (p[i] != q[i])
             return false;
     return true;
+}
+
+static bool same_map(const vv_affine *a, const vv_affine *b)
+{
+    return same_numbers(&a->axis[0].x, &b->axis[0].x, sizeof *a / sizeof a->axis[0].x);
 }
 
 /* Of an attribute that is not there the number is 0. */
@@ -102,7 +129,9 @@ static bool same_attributes(const reader *r, const attributes *a, const vv_affin
     const attributes *l = &r->last;
     return l->has_position && a->has_position && l->position == a->position && l->has_normal == a->has_normal &&
            l->normal == a->normal && l->has_color == a->has_color && l->color == a->color &&
-           l->has_value == a->has_value && l->value == a->value && same_map(&r->last_map, map);
+           l->has_value == a->has_value && l->value == a->value && l->has_coordinate == a->has_coordinate &&
+           l->coordinate == a->coordinate && (!r->any_colors || same_numbers(l->factor, a->factor, 4)) &&
+           same_numbers(l->to_image[0], a->to_image[0], 6) && same_map(&r->last_map, map);
 }
 
 static vv_status put_places(reader *r, const attributes *a, const vv_affine *map)
@@ -143,18 +172,39 @@ static vv_status put_normals(reader *r, const attributes *a, const vv_affine *ma
     return VV_OK;
 }
 
-/* Linear there, sRGB here. */
+/* Linear there, sRGB here; times the material's. */
 static vv_status put_colors(reader *r, const attributes *a)
 {
-    vvi_gltf_numbers n;
+    vvi_gltf_numbers n = {0};
+    const double *f = a->factor;
     vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COLORS);
-    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->color, 3, 4)) != VV_OK)
+    if (st == VV_OK && a->has_color)
+        st = vvi_gltf_read_accessor(&n, &r->g, a->color, 3, 4);
+    if (st != VV_OK)
         return st;
-    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++) {
-        const double *v = n.v + i * (size_t)n.components;
-        const vv_color color = {v[0], v[1], v[2], n.components == 4 ? v[3] : 1};
+    for (size_t i = 0; r->first_vertex + i < r->b.info.n_vertices; i++) {
+        const double *v = i < n.n ? n.v + i * (size_t)n.components : NULL;
+        vv_color color = {f[0], f[1], f[2], f[3]};
+        if (v)
+            color = (vv_color){f[0] * v[0], f[1] * v[1], f[2] * v[2], n.components == 4 ? f[3] * v[3] : f[3]};
         vvi_mesh_bytes_of(r->b.arrays.colors + 4 * (r->first_vertex + i), &color);
     }
+    vvi_free(n.v);
+    return VV_OK;
+}
+
+static vv_status put_coordinates(reader *r, const attributes *a)
+{
+    vvi_gltf_numbers n;
+    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COORDINATES);
+    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->coordinate, 2, 2)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
+        for (size_t k = 0; k < 2; k++) {
+            const double *row = a->to_image[k];
+            r->b.arrays.coordinates[2 * (r->first_vertex + i) + k] =
+                (float)(row[0] * n.v[2 * i] + row[1] * n.v[2 * i + 1] + row[2]);
+        }
     vvi_free(n.v);
     return VV_OK;
 }
@@ -178,8 +228,10 @@ static vv_status put_vertices(reader *r, const attributes *a, const vv_affine *m
     vv_status st = put_places(r, a, map);
     if (st == VV_OK && a->has_normal)
         st = put_normals(r, a, map);
-    if (st == VV_OK && a->has_color)
+    if (st == VV_OK && r->any_colors)
         st = put_colors(r, a);
+    if (st == VV_OK && a->has_coordinate)
+        st = put_coordinates(r, a);
     if (st == VV_OK && a->has_value)
         st = put_values(r, a);
     r->last = *a;
@@ -187,15 +239,20 @@ static vv_status put_vertices(reader *r, const attributes *a, const vv_affine *m
     return st;
 }
 
-static vv_status find_attributes(attributes *out, const reader *r, const json_t *primitive)
+static vv_status find_attributes(attributes *out, const reader *r, const json_t *primitive, const material *m)
 {
+    char coordinates[32];
     const json_t *list = json_object_get(primitive, "attributes");
     const size_t n = json_array_size(json_object_get(r->g.root, "accessors"));
     vv_status st;
     *out = (attributes){0};
+    memcpy(out->factor, m->factor, sizeof out->factor);
+    memcpy(out->to_image, m->to_image, sizeof out->to_image);
+    snprintf(coordinates, sizeof coordinates, "TEXCOORD_%lld", (long long)m->coordinates);
     if ((st = vvi_gltf_index(&r->g, list, "POSITION", n, &out->position, &out->has_position)) == VV_OK &&
         (st = vvi_gltf_index(&r->g, list, "NORMAL", n, &out->normal, &out->has_normal)) == VV_OK &&
-        (st = vvi_gltf_index(&r->g, list, "COLOR_0", n, &out->color, &out->has_color)) == VV_OK)
+        (st = vvi_gltf_index(&r->g, list, "COLOR_0", n, &out->color, &out->has_color)) == VV_OK &&
+        (st = vvi_gltf_index(&r->g, list, coordinates, n, &out->coordinate, &out->has_coordinate)) == VV_OK)
         st = vvi_gltf_index(&r->g, list, "_VALUE", n, &out->value, &out->has_value);
     return st;
 }
@@ -234,21 +291,139 @@ static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t
     return st;
 }
 
-static vv_status begin_part(reader *r, const json_t *primitive, const char *name)
+/* Materials ------------------------------------------------------------------------------------------------------- */
+
+static vvi_texture_use use_of(const reader *r, const json_t *of, const json_t *texture)
+{
+    enum { CLAMP = 33071, MIRROR = 33648 };
+    static const char *const keys[2] = {"wrapS", "wrapT"};
+    const char *alpha = json_string_value(json_object_get(of, "alphaMode"));
+    const json_t *cutoff = json_object_get(of, "alphaCutoff");
+    vvi_texture_use use = {.alpha = VVI_TEXTURE_OPAQUE, .cutoff = 0.5};
+    int64_t at, code;
+    const json_t *sampler = NULL;
+    if (vvi_json_whole(&at, json_object_get(texture, "sampler")) && at >= 0)
+        sampler = json_array_get(json_object_get(r->g.root, "samplers"), (size_t)at);
+    for (int k = 0; k < 2; k++)
+        if (vvi_json_whole(&code, json_object_get(sampler, keys[k])))
+            use.wrap[k] = code == CLAMP ? VV_WRAP_CLAMP : code == MIRROR ? VV_WRAP_MIRROR : VV_WRAP_REPEAT;
+    if (alpha && strcmp(alpha, "BLEND") == 0)
+        use.alpha = VVI_TEXTURE_BLEND;
+    else if (alpha && strcmp(alpha, "MASK") == 0)
+        use.alpha = VVI_TEXTURE_MASK;
+    if (cutoff && (!vvi_json_real(&use.cutoff, cutoff) || !(use.cutoff >= 0)))
+        use.cutoff = 0.5;
+    return use;
+}
+
+/* In the file or as text in it, or beside it. */
+static vv_status open_image(size_t *texture, reader *r, const json_t *image, const vvi_texture_use *use)
+{
+    const char *uri = json_string_value(json_object_get(image, "uri"));
+    vvi_gltf_bytes bytes;
+    vv_source *source;
+    char name[1024];
+    if (uri && strncmp(uri, "data:", 5) != 0)
+        return vvi_gltf_decode_uri(name, uri)
+                   ? vvi_mesh_texture_find(texture, &r->b, name, use, r->notes)
+                   : vvi_notes_warn(r->notes, "the image '%.100s' on its triangles is not a file next to it", uri);
+    vv_status st = vvi_gltf_read_bytes(&bytes, &r->g, image);
+    if (st != VV_OK)
+        return st;
+    st = vvi_source_memory(&source, bytes.at, bytes.n, r->g.file, r->g.job);
+    if (st == VV_OK) {
+        const char *said = json_string_value(json_object_get(image, "name"));
+        st = vvi_mesh_texture_read(texture, &r->b, source, said ? said : "", use, r->notes);
+        vvi_source_close(source);
+    }
+    vvi_free(bytes.owned);
+    return st;
+}
+
+static bool is_same_use(const vvi_texture_use *a, const vvi_texture_use *b)
+{
+    return a->wrap[0] == b->wrap[0] && a->wrap[1] == b->wrap[1] && a->alpha == b->alpha && a->cutoff == b->cutoff;
+}
+
+/* Each once. */
+static vv_status read_image(size_t *texture, reader *r, const json_t *image, const vvi_texture_use *use)
+{
+    for (size_t i = 0; i < r->n_images; i++)
+        if (r->images[i].image == image && is_same_use(&r->images[i].use, use)) {
+            *texture = r->images[i].texture;
+            return VV_OK;
+        }
+    image_read *grown = vvi_realloc(r->g.job, r->images, (r->n_images + 1) * sizeof *grown, VVI_MEM_SCRATCH);
+    if (!grown)
+        return vv_fail_memory((r->n_images + 1) * sizeof *grown);
+    r->images = grown;
+    const vv_status st = open_image(texture, r, image, use);
+    if (st == VV_OK)
+        r->images[r->n_images++] = (image_read){image, *use, *texture};
+    return st;
+}
+
+/* KHR_texture_transform: scale, then turn, then shift; and v runs upwards here. */
+static void take_transform(material *m, const json_t *info)
+{
+    const json_t *t = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
+    double scale[2] = {1, 1}, offset[2] = {0, 0}, turn = 0;
+    int64_t set;
+    double v[2];
+    if (numbers_at(v, 2, t, "scale"))
+        memcpy(scale, v, sizeof v);
+    if (numbers_at(v, 2, t, "offset"))
+        memcpy(offset, v, sizeof v);
+    if (!vvi_json_real(&turn, json_object_get(t, "rotation")))
+        turn = 0;
+    if (vvi_json_whole(&set, json_object_get(t, "texCoord")) && set >= 0)
+        m->coordinates = set;
+    const double c = cos(turn), s = sin(turn);
+    const double rows[2][3] = {{c * scale[0], s * scale[1], offset[0]}, {s * scale[0], -c * scale[1], 1 - offset[1]}};
+    memcpy(m->to_image, rows, sizeof rows);
+}
+
+static vv_status read_texture(material *m, reader *r, const json_t *of, const json_t *info)
+{
+    const json_t *textures = json_object_get(r->g.root, "textures"), *images = json_object_get(r->g.root, "images");
+    size_t index, image;
+    bool there;
+    int64_t set;
+    if (vvi_json_whole(&set, json_object_get(info, "texCoord")) && set >= 0)
+        m->coordinates = set;
+    take_transform(m, info);
+    vv_status st = vvi_gltf_index(&r->g, info, "index", json_array_size(textures), &index, &there);
+    if (st != VV_OK || !there || r->counting)
+        return st;
+    const json_t *texture = json_array_get(textures, index);
+    const vvi_texture_use use = use_of(r, of, texture);
+    st = vvi_gltf_index(&r->g, texture, "source", json_array_size(images), &image, &there);
+    return st == VV_OK && there ? read_image(&m->texture, r, json_array_get(images, image), &use) : st;
+}
+
+static vv_status find_material(material *out, reader *r, const json_t *primitive)
 {
     const json_t *materials = json_object_get(r->g.root, "materials");
     size_t index;
     bool there;
-    vv_color color = {1, 1, 1, 1};
+    *out = (material){.factor = {1, 1, 1, 1}, .to_image = {{1, 0, 0}, {0, -1, 1}}};
     const vv_status st = vvi_gltf_index(&r->g, primitive, "material", json_array_size(materials), &index, &there);
-    if (st != VV_OK)
+    if (st != VV_OK || !there)
         return st;
-    const json_t *pbr = there ? json_object_get(json_array_get(materials, index), "pbrMetallicRoughness") : NULL;
+    const json_t *of = json_array_get(materials, index), *pbr = json_object_get(of, "pbrMetallicRoughness");
     double v[4];
-    const bool colored = numbers_at(v, 4, pbr, "baseColorFactor");
-    if (colored)
-        color = (vv_color){v[0], v[1], v[2], v[3]};
-    return vvi_mesh_builder_part(&r->b, name, strlen(name), colored ? &color : NULL);
+    if (numbers_at(v, 4, pbr, "baseColorFactor"))
+        memcpy(out->factor, v, sizeof v);
+    out->colored = numbers_at(out->color, 4, pbr, "baseColorFactor") ||
+                   numbers_at(out->color, 4, json_object_get(json_object_get(of, "extras"), "volvis"), "color");
+    const json_t *info = json_object_get(pbr, "baseColorTexture");
+    return info ? read_texture(out, r, of, info) : VV_OK;
+}
+
+static vv_status begin_part(reader *r, const material *m, const char *name)
+{
+    const vv_color color = {m->color[0], m->color[1], m->color[2], m->color[3]};
+    return vvi_mesh_builder_part(&r->b, name, strlen(name), m->colored ? &color : NULL, m->texture);
 }
 
 /* Nodes may name one object many times: that costs no bytes of the file, so it is counted before room is taken, and an
@@ -259,7 +434,7 @@ static vv_status check_counts(const reader *r)
     const vv_limits *limits = vvi_job_limits(r->g.job);
     const uint64_t bytes =
         3 * (r->n_vertices * sizeof(double) + r->n_triangles * sizeof(uint32_t)) + OBJECT_BYTES * r->n_objects;
-    const uint64_t file = vvi_gltf_bytes(&r->g);
+    const uint64_t file = vvi_gltf_count_bytes(&r->g);
     if (bytes <= limits->expansion_after || bytes / limits->expansion_mesh <= file)
         return VV_OK;
     return vv_fail_at(
@@ -295,6 +470,7 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
     const json_t *mode_at = json_object_get(primitive, "mode");
     int64_t mode = TRIANGLES;
     attributes a;
+    material m;
     size_t index;
     bool there;
     vv_status st = VV_OK;
@@ -306,12 +482,13 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
         r->n_other += !r->counting;
         return VV_OK;
     }
-    st = find_attributes(&a, r, primitive);
-    if (st != VV_OK || !a.has_position)
+    if ((st = find_material(&m, r, primitive)) != VV_OK || (st = find_attributes(&a, r, primitive, &m)) != VV_OK ||
+        !a.has_position)
         return st;
+    r->any_colors |= a.has_color;
     if (r->counting)
         return count_primitive(r, primitive, &a, map, mode);
-    if ((st = begin_part(r, primitive, name)) != VV_OK || (st = put_vertices(r, &a, map)) != VV_OK ||
+    if ((st = begin_part(r, &m, name)) != VV_OK || (st = put_vertices(r, &a, map)) != VV_OK ||
         (st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")),
                              &index, &there)) != VV_OK)
         return st;
@@ -467,6 +644,7 @@ static vv_status read_gltf(vv_mesh **out, vv_source *source, const vv_mesh_read_
     vvi_mesh_builder_free(&r.b);
     vvi_gltf_finish(&r.g);
     vvi_free(r.seen);
+    vvi_free(r.images);
     return st;
 }
 
@@ -491,7 +669,7 @@ static int probe_gltf(const uint8_t *head, size_t n, const char *path)
 
 enum {
     HOLDS = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_VALUES | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS |
-            VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES
+            VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES | VV_MESH_HOLDS_TEXTURES
 };
 static const char *const glb_suffixes[] = {".glb", NULL};
 static const char *const gltf_suffixes[] = {".gltf", NULL};
@@ -500,7 +678,8 @@ static const char *const gltf_encodings[] = {"base64", "separate", NULL};
 const vv_mesh_format vvi_mesh_format_glb = {
     .api = VV_MESH_FORMAT_API,
     .name = "glb",
-    .doc = "binary glTF 2.0, for browsers and viewers: normals, values, colours, parts; metres, y up",
+    .doc =
+        "binary glTF 2.0, for browsers and viewers: normals, values, colours, parts, images on triangles; metres, y up",
     .suffixes = glb_suffixes,
     .holds = HOLDS,
     .probe = probe_glb,

@@ -43,11 +43,21 @@ typedef struct vvi_gltf_numbers {
 
 /** How many numbers an accessor has; it is checked, and its buffer is there afterwards. */
 vv_status vvi_gltf_count_accessor(size_t *out, vvi_gltf *gltf, size_t index, int least, int most);
-/** Bytes of the JSON and of the buffers that somebody asked for. */
-uint64_t vvi_gltf_bytes(const vvi_gltf *gltf);
+/** How many bytes the JSON and the buffers have that somebody asked for. */
+uint64_t vvi_gltf_count_bytes(const vvi_gltf *gltf);
 /** Normalized integers become 0 .. 1 or -1 .. 1; sparse ones are filled in. The whole is checked against its buffer
  * before memory is taken. */
 vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *gltf, size_t index, int least, int most);
+
+/** The bytes of a buffer view, or of base64, that an object ("images") has. `owned`: vvi_free(). */
+typedef struct vvi_gltf_bytes {
+    const uint8_t *at;
+    size_t n;
+    uint8_t *owned;
+} vvi_gltf_bytes;
+vv_status vvi_gltf_read_bytes(vvi_gltf_bytes *out, vvi_gltf *gltf, const json_t *object);
+/** The name of a file: %20 is a blank. False: it is none, or of another machine. */
+bool vvi_gltf_decode_uri(char out[1024], const char *uri);
 
 vv_status vvi_gltf_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);
 vv_status vvi_glb_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);

@@ -189,8 +189,7 @@ static bool decode(uint8_t *out, uint64_t n, const char *text)
     return made == n;
 }
 
-/* %20 is a blank. */
-static bool decode_uri(char out[1024], const char *uri)
+bool vvi_gltf_decode_uri(char out[1024], const char *uri)
 {
     size_t n = 0;
     for (; *uri; uri++) {
@@ -205,14 +204,14 @@ static bool decode_uri(char out[1024], const char *uri)
         out[n++] = (char)v;
     }
     out[n] = 0;
-    return true;
+    return !strstr(out, "://");
 }
 
 static vv_status read_beside(vvi_gltf *g, uint8_t *out, uint64_t n, const char *uri)
 {
     char name[1024];
     vv_source *source;
-    if (!decode_uri(name, uri) || strstr(name, "://"))
+    if (!vvi_gltf_decode_uri(name, uri))
         return vvi_gltf_fail(g, "its buffer '%.100s' is not a file next to it", uri);
     vv_status st = vvi_source_open_beside(&source, g->source, name, g->job);
     if (st != VV_OK)
@@ -349,7 +348,7 @@ static void load(double *out, const uint8_t *in, size_t stride, vv_type type, in
     }
 }
 
-uint64_t vvi_gltf_bytes(const vvi_gltf *g)
+uint64_t vvi_gltf_count_bytes(const vvi_gltf *g)
 {
     uint64_t n = g->json_bytes;
     for (size_t i = 0; i < g->n_buffers; i++)
@@ -450,4 +449,41 @@ vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *g, size_t inde
         *out = (vvi_gltf_numbers){0};
     }
     return st;
+}
+
+static vv_status decode_text(vvi_gltf_bytes *out, const vvi_gltf *g, const char *uri)
+{
+    const char *text = strchr(uri, ',');
+    size_t n = text ? strlen(++text) : 0;
+    while (n > 0 && text[n - 1] == '=')
+        n--;
+    out->n = n / 4 * 3 + (n % 4 > 0 ? n % 4 - 1 : 0);
+    out->owned = vvi_alloc(g->job, out->n + 1, VVI_MEM_SCRATCH);
+    out->at = out->owned;
+    if (!out->owned)
+        return vv_fail_memory(out->n + 1);
+    if (text && decode(out->owned, out->n, text))
+        return VV_OK;
+    vvi_free(out->owned);
+    out->owned = NULL;
+    return vvi_gltf_fail(g, "an image is not base64");
+}
+
+vv_status vvi_gltf_read_bytes(vvi_gltf_bytes *out, vvi_gltf *g, const json_t *object)
+{
+    const json_t *views = json_object_get(g->root, "bufferViews");
+    const char *uri = json_string_value(json_object_get(object, "uri"));
+    size_t view = 0, stride;
+    bool there;
+    int64_t n;
+    *out = (vvi_gltf_bytes){0};
+    if (uri)
+        return decode_text(out, g, uri);
+    const vv_status st = vvi_gltf_index(g, object, "bufferView", json_array_size(views), &view, &there);
+    if (st != VV_OK)
+        return st;
+    if (!there || !vvi_json_whole(&n, json_object_get(json_array_get(views, view), "byteLength")) || n < 0)
+        return vvi_gltf_fail(g, "an image has neither a file nor bytes");
+    out->n = (size_t)n;
+    return find_records(g, &out->at, &stride, object, out->n, 1);
 }

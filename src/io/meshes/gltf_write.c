@@ -5,9 +5,11 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "grid/mesh.h"
 #include "io/base64.h"
 #include "io/meshes/gltf.h"
 #include "io/meshes/mesh_column.h"
+#include "io/meshes/mesh_texture.h"
 #include "io/meshes/mesh_write.h"
 
 #include <math.h>
@@ -18,13 +20,21 @@
 
 enum { BLOCK = 4096, FLOAT = 5126, UNSIGNED_SHORT = 5123, UNSIGNED_INT = 5125, VERTICES = 34962, INDICES = 34963 };
 
+/* A file of an image. */
+typedef struct encoded {
+    uint8_t *bytes;
+    size_t n;
+} encoded;
+
 typedef struct writer {
     vv_sink *sink;
-    const vv_mesh *mesh;
+    vv_mesh *own;
+    const vv_mesh *mesh; /* the same */
     const vv_mesh_info *m;
     vvi_text json;
     uint64_t n_bytes; /* of the buffer */
-    int n_views;      /* and accessors */
+    int n_views;      /* and accessors, but for images, which have only views */
+    encoded *images;  /* of each texture */
     bool base64;
     vvi_base64 coder;
     vv_job *job;
@@ -130,6 +140,49 @@ static char *about_positions(const writer *w)
     return vvi_text_take(&t);
 }
 
+static bool is_translucent(const vv_mesh_texture *t)
+{
+    bool some = false;
+    for (size_t i = 0; i < (size_t)t->width * (size_t)t->height && !some; i++)
+        some = t->pixels[4 * i + 3] < 255;
+    return some;
+}
+
+static int wrap_code(int wrap)
+{
+    enum { REPEAT = 10497, CLAMP = 33071, MIRROR = 33648 };
+    return wrap == VV_WRAP_CLAMP ? CLAMP : wrap == VV_WRAP_MIRROR ? MIRROR : REPEAT;
+}
+
+static void add_textures(writer *w, int first_view)
+{
+    const vv_mesh_info *m = w->m;
+    vvi_text *t = &w->json;
+    vvi_text_add(t, ",\"textures\":[");
+    for (size_t i = 0; i < m->n_textures; i++)
+        vvi_text_printf(t, "%s{\"sampler\":%zu,\"source\":%zu}", i ? "," : "", i, i);
+    vvi_text_add(t, "],\"samplers\":[");
+    for (size_t i = 0; i < m->n_textures; i++)
+        vvi_text_printf(t, "%s{\"wrapS\":%d,\"wrapT\":%d}", i ? "," : "", wrap_code(m->textures[i].wrap[0]),
+                        wrap_code(m->textures[i].wrap[1]));
+    vvi_text_add(t, "],\"images\":[");
+    for (size_t i = 0; i < m->n_textures; i++) {
+        vvi_text_printf(t, "%s{\"bufferView\":%d,\"mimeType\":\"image/png\",\"name\":", i ? "," : "",
+                        first_view + (int)i);
+        vvi_text_json(t, m->textures[i].name);
+        vvi_text_add(t, "}");
+    }
+    vvi_text_add(t, "]");
+}
+
+/* A view that no accessor has; as long as a multiple of four, with zeros behind the file. */
+static void add_image_view(writer *w, vvi_text *views, size_t n)
+{
+    vvi_text_printf(views, ",{\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%zu}", (unsigned long long)w->n_bytes, n);
+    w->n_bytes += (n + 3) / 4 * 4;
+    w->n_views++;
+}
+
 static void add_meshes(writer *w, const char *attributes, int first_indices)
 {
     vvi_text_add(&w->json, ",\"meshes\":[");
@@ -143,12 +196,23 @@ static void add_meshes(writer *w, const char *attributes, int first_indices)
     for (size_t i = 0; i < n_meshes(w); i++) {
         const vv_color *c = w->m->n_parts ? &w->m->parts[i].color : NULL;
         vvi_text_printf(&w->json, "%s{\"doubleSided\":true,\"pbrMetallicRoughness\":{", i ? "," : "");
-        if (c && c->a >= 0) {
+        const bool colored = c && c->a >= 0, noted = colored && w->m->colors; /* vertices' colours take its place */
+        if (colored && !noted) {
             add_numbers(&w->json, "baseColorFactor", &c->r, 4);
             vvi_text_add(&w->json, ",");
         }
-        vvi_text_printf(&w->json, "\"metallicFactor\":0,\"roughnessFactor\":0.6}%s}",
-                        c && c->a >= 0 && c->a < 1 ? ",\"alphaMode\":\"BLEND\"" : "");
+        const size_t texture = w->images && w->m->n_parts ? w->m->parts[i].texture : 0;
+        if (texture)
+            vvi_text_printf(&w->json, "\"baseColorTexture\":{\"index\":%zu},", texture - 1);
+        const bool blend = (colored && !noted && c->a < 1) || (texture && is_translucent(&w->m->textures[texture - 1]));
+        vvi_text_printf(&w->json, "\"metallicFactor\":0,\"roughnessFactor\":0.6}%s",
+                        blend ? ",\"alphaMode\":\"BLEND\"" : "");
+        if (noted) {
+            vvi_text_add(&w->json, ",\"extras\":{\"volvis\":{");
+            add_numbers(&w->json, "color", &c->r, 4);
+            vvi_text_add(&w->json, "}}");
+        }
+        vvi_text_add(&w->json, "}");
     }
     vvi_text_add(&w->json, "]");
 }
@@ -177,11 +241,19 @@ static void add_arrays(writer *w)
         vvi_text_printf(
             &attributes, ",\"_VALUE\":%d",
             add_view(w, &accessors, &views, "\"componentType\":5126,\"type\":\"SCALAR\"", m->n_vertices, 4, VERTICES));
+    if (m->coordinates)
+        vvi_text_printf(
+            &attributes, ",\"TEXCOORD_0\":%d",
+            add_view(w, &accessors, &views, "\"componentType\":5126,\"type\":\"VEC2\"", m->n_vertices, 8, VERTICES));
     const int first_indices = w->n_views;
     for (size_t i = 0; i < n_meshes(w); i++)
         add_view(w, &accessors, &views, "\"componentType\":5125,\"type\":\"SCALAR\"",
                  3 * (m->n_parts ? m->parts[i].n_triangles : m->n_triangles), 4, INDICES);
     add_meshes(w, attributes.s ? attributes.s : "", first_indices);
+    if (w->images)
+        add_textures(w, w->n_views);
+    for (size_t i = 0; w->images && i < m->n_textures; i++)
+        add_image_view(w, &views, w->images[i].n);
     vvi_text_printf(&w->json, ",\"accessors\":[%s],\"bufferViews\":[%s]", accessors.s ? accessors.s : "",
                     views.s ? views.s : "");
     w->json.bad = w->json.bad || accessors.bad || views.bad || attributes.bad;
@@ -242,6 +314,31 @@ static vv_status put_colors(writer *w)
     return st;
 }
 
+/* v runs downwards there. */
+static vv_status put_coordinates(writer *w)
+{
+    float block[BLOCK];
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < 2 * w->m->n_vertices && st == VV_OK; i += BLOCK) {
+        const size_t some = 2 * w->m->n_vertices - i < BLOCK ? 2 * w->m->n_vertices - i : BLOCK;
+        for (size_t k = 0; k < some; k++)
+            block[k] = k % 2 ? 1 - w->m->coordinates[i + k] : w->m->coordinates[i + k];
+        st = put(w, block, 4, some);
+    }
+    return st;
+}
+
+static vv_status put_image(writer *w, const encoded *image)
+{
+    static const uint8_t zeros[4] = {0};
+    const size_t more = (4 - image->n % 4) % 4;
+    vv_status st = w->base64 ? vvi_base64_write(&w->coder, w->sink, image->bytes, image->n)
+                             : vvi_sink_write(w->sink, image->bytes, image->n);
+    if (st == VV_OK && more)
+        st = w->base64 ? vvi_base64_write(&w->coder, w->sink, zeros, more) : vvi_sink_write(w->sink, zeros, more);
+    return st;
+}
+
 static vv_status write_buffer(writer *w)
 {
     const vv_mesh_info *m = w->m;
@@ -254,16 +351,51 @@ static vv_status write_buffer(writer *w)
         st = put_colors(w);
     if (st == VV_OK && m->values)
         st = put(w, m->values, 4, m->n_vertices);
+    if (st == VV_OK && m->coordinates)
+        st = put_coordinates(w);
     if (st == VV_OK)
         st = put(w, m->triangles, 4, 3 * m->n_triangles);
+    for (size_t i = 0; w->images && i < m->n_textures && st == VV_OK; i++)
+        st = put_image(w, &w->images[i]);
     return st == VV_OK && w->base64 ? vvi_base64_end(&w->coder, w->sink) : st;
 }
 
 /* Files ----------------------------------------------------------------------------------------------------------- */
 
+static vv_status encode_images(writer *w)
+{
+    const vv_mesh_info *m = w->m;
+    const size_t bytes = m->n_textures * sizeof *w->images;
+    vv_status st = VV_OK;
+    if (!m->n_textures || !m->coordinates)
+        return VV_OK;
+    if (!(w->images = vvi_alloc_zeroed(w->job, bytes, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(bytes);
+    for (size_t i = 0; i < m->n_textures && st == VV_OK; i++)
+        st = vvi_mesh_texture_encode(&w->images[i].bytes, &w->images[i].n, &m->textures[i], w->job);
+    return st;
+}
+
+static void finish(writer *w)
+{
+    for (size_t i = 0; w->images && i < w->m->n_textures; i++)
+        vv_image_bytes_free(w->images[i].bytes);
+    vvi_free(w->images);
+    vvi_text_free(&w->json);
+    vv_mesh_release(w->own);
+}
+
+/* Vertices have one place on images each. */
 static vv_status begin(writer *out, vv_sink *sink, const vv_mesh *mesh, vv_job *job)
 {
-    *out = (writer){.sink = sink, .mesh = mesh, .m = vv_mesh_get_info(mesh), .job = job};
+    *out = (writer){.sink = sink, .job = job};
+    vv_status st = vvi_mesh_split_corners(&out->own, mesh, job);
+    if (st != VV_OK)
+        return st;
+    out->mesh = out->own;
+    out->m = vv_mesh_get_info(out->own);
+    if ((st = encode_images(out)) != VV_OK)
+        return st;
     if (out->m->values)
         for (size_t i = 0; i < out->m->n_vertices; i++)
             if (!isfinite(out->m->values[i])) {
@@ -314,7 +446,7 @@ vv_status vvi_glb_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
     vv_status st = begin(&w, sink, mesh, job);
     if (st == VV_OK)
         st = write_glb(&w);
-    vvi_text_free(&w.json);
+    finish(&w);
     return st;
 }
 
@@ -369,6 +501,6 @@ vv_status vvi_gltf_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write
         st = vvi_sink_printf(sink, "%s}\n", w.json.s);
     else if (st == VV_OK)
         st = strcmp(options->encoding, "separate") == 0 ? write_beside(&w) : write_embedded(&w);
-    vvi_text_free(&w.json);
+    finish(&w);
     return st;
 }

@@ -22,6 +22,9 @@ void vvi_mesh_builder_free(vvi_mesh_builder *b)
     vvi_free(b->arrays.colors);
     vvi_free(b->arrays.triangles);
     vvi_free(b->arrays.parts);
+    vvi_free(b->arrays.coordinates);
+    vvi_free(b->arrays.coordinate_of);
+    vvi_mesh_textures_release(b->arrays.textures);
     vvi_free(b->places);
     vvi_free(b->part_of);
     vvi_free(b->fans);
@@ -58,6 +61,8 @@ static vv_status room_for_vertices(vvi_mesh_builder *b, size_t n)
         st = resize(b, &b->arrays.values, had, n, sizeof(float));
     if (st == VV_OK && b->with & VVI_MESH_COLORS)
         st = resize(b, &b->arrays.colors, had, n, 4);
+    if (st == VV_OK && b->with & VVI_MESH_COORDINATES && !(b->with & VVI_MESH_CORNERS))
+        st = resize(b, &b->arrays.coordinates, had, n, 2 * sizeof(float));
     if (st == VV_OK)
         b->room_vertices = n;
     return st;
@@ -68,6 +73,8 @@ static vv_status room_for_triangles(vvi_mesh_builder *b, size_t n)
     vv_status st = resize(b, &b->arrays.triangles, b->room_triangles, n, 3 * sizeof(uint32_t));
     if (st == VV_OK && b->part_of)
         st = resize(b, &b->part_of, b->room_triangles, n, sizeof(uint32_t));
+    if (st == VV_OK && b->with & VVI_MESH_CORNERS)
+        st = resize(b, &b->arrays.coordinate_of, b->room_triangles, n, 3 * sizeof(uint32_t));
     if (st == VV_OK)
         b->room_triangles = n;
     return st;
@@ -98,6 +105,8 @@ static void clear_vertices(vvi_mesh_builder *b, unsigned with, size_t first, siz
         memset(b->arrays.normals + 3 * first, 0, 3 * (end - first) * sizeof(float));
     if (with & VVI_MESH_COLORS)
         memset(b->arrays.colors + 4 * first, 255, 4 * (end - first));
+    if (with & VVI_MESH_COORDINATES && !(b->with & VVI_MESH_CORNERS))
+        memset(b->arrays.coordinates + 2 * first, 0, 2 * (end - first) * sizeof(float));
     for (size_t i = first; i < end && with & VVI_MESH_VALUES; i++)
         b->arrays.values[i] = NAN;
 }
@@ -108,10 +117,30 @@ vv_status vvi_mesh_builder_with(vvi_mesh_builder *b, unsigned with)
     if (!added)
         return VV_OK;
     b->with |= added;
-    const vv_status st = room_for_vertices(b, b->room_vertices);
+    vv_status st = room_for_vertices(b, b->room_vertices);
     if (st == VV_OK)
         clear_vertices(b, added, 0, b->info.n_vertices);
-    return st;
+    if (st != VV_OK || !(added & VVI_MESH_CORNERS) || (st = room_for_triangles(b, b->room_triangles)) != VV_OK)
+        return st;
+    memset(b->arrays.coordinate_of, 0, 3 * b->info.n_triangles * sizeof *b->arrays.coordinate_of);
+    return vvi_mesh_builder_coordinate(b, 0, 0);
+}
+
+vv_status vvi_mesh_builder_coordinate(vvi_mesh_builder *b, float u, float v)
+{
+    const size_t n = b->info.n_coordinates;
+    vv_status st = check_count(b, n + 1, "texture coordinates");
+    if (st == VV_OK && n == b->room_coordinates) {
+        const size_t room = n * 3 / 2 + 1024;
+        if ((st = resize(b, &b->arrays.coordinates, n, room, 2 * sizeof(float))) == VV_OK)
+            b->room_coordinates = room;
+    }
+    if (st != VV_OK)
+        return st;
+    b->arrays.coordinates[2 * n] = u;
+    b->arrays.coordinates[2 * n + 1] = v;
+    b->info.n_coordinates++;
+    return VV_OK;
 }
 
 vv_status vvi_mesh_builder_vertices(vvi_mesh_builder *b, size_t n)
@@ -138,6 +167,8 @@ vv_status vvi_mesh_builder_triangles(vvi_mesh_builder *b, size_t n)
     b->info.n_triangles = need;
     for (size_t i = first; b->part_of && i < need; i++)
         b->part_of[i] = b->part;
+    if (b->with & VVI_MESH_CORNERS)
+        memset(b->arrays.coordinate_of + 3 * first, 0, 3 * n * sizeof *b->arrays.coordinate_of);
     return VV_OK;
 }
 
@@ -164,18 +195,27 @@ static vv_status note_fan(vvi_mesh_builder *b, size_t n)
     return VV_OK;
 }
 
-vv_status vvi_mesh_builder_polygon(vvi_mesh_builder *b, const uint32_t *corner, size_t n)
+static void put_fan(uint32_t *t, const uint32_t *corner, size_t n)
 {
-    const vv_status st = vvi_mesh_builder_triangles(b, n - 2);
-    if (st != VV_OK)
-        return st;
-    uint32_t *t = b->arrays.triangles + 3 * (b->info.n_triangles - (n - 2));
     for (size_t i = 0; i < n - 2; i++, t += 3) {
         t[0] = corner[0];
         t[1] = corner[i + 1];
         t[2] = corner[i + 2];
     }
+}
+
+vv_status vvi_mesh_builder_polygon(vvi_mesh_builder *b, const uint32_t *corner, size_t n)
+{
+    const vv_status st = vvi_mesh_builder_triangles(b, n - 2);
+    if (st != VV_OK)
+        return st;
+    put_fan(b->arrays.triangles + 3 * (b->info.n_triangles - (n - 2)), corner, n);
     return n > 3 ? note_fan(b, n) : VV_OK;
+}
+
+void vvi_mesh_builder_corners(vvi_mesh_builder *b, const uint32_t *coordinate, size_t n)
+{
+    put_fan(b->arrays.coordinate_of + 3 * (b->info.n_triangles - (n - 2)), coordinate, n);
 }
 
 vv_status vvi_mesh_builder_strip(vvi_mesh_builder *b, const uint32_t *corner, size_t n)
@@ -194,13 +234,13 @@ vv_status vvi_mesh_builder_strip(vvi_mesh_builder *b, const uint32_t *corner, si
 static bool is_part(const vv_mesh_part *part, const vv_mesh_part *other)
 {
     const vv_color *a = &part->color, *b = &other->color;
-    return strcmp(part->name, other->name) == 0 &&
+    return strcmp(part->name, other->name) == 0 && part->texture == other->texture &&
            ((a->a < 0 && b->a < 0) || (a->r == b->r && a->g == b->g && a->b == b->b && a->a == b->a));
 }
 
-static vv_mesh_part make_part(const char *name, size_t n_name, const vv_color *color)
+static vv_mesh_part make_part(const char *name, size_t n_name, const vv_color *color, size_t texture)
 {
-    vv_mesh_part part = {.color.a = -1};
+    vv_mesh_part part = {.color.a = -1, .texture = texture};
     memcpy(part.name, name, vvi_utf8_cut(name, n_name, sizeof part.name - 1));
     vvi_text_clean(part.name);
     if (color)
@@ -236,17 +276,19 @@ static vv_status add_part(vvi_mesh_builder *b, const vv_mesh_part *part)
     return VV_OK;
 }
 
-vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color)
+vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color,
+                                    size_t texture)
 {
-    const vv_mesh_part part = make_part(name, n_name, color);
+    const vv_mesh_part part = make_part(name, n_name, color, texture);
     b->n_cut += n_name >= sizeof part.name;
     return add_part(b, &part);
 }
 
-vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color)
+vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color,
+                                size_t texture)
 {
     enum { LOOKED_AT = 1024 };
-    const vv_mesh_part part = make_part(name, n_name, color), nameless = {.color.a = -1};
+    const vv_mesh_part part = make_part(name, n_name, color, texture), nameless = {.color.a = -1};
     const size_t n = b->info.n_parts, first = n > LOOKED_AT ? n - LOOKED_AT : 0;
     for (size_t i = n; i > first; i--)
         if (is_part(&b->arrays.parts[i - 1], &part)) {
@@ -352,20 +394,29 @@ static size_t settle_normals(vvi_mesh_builder *b)
     return n_bad;
 }
 
+/* What belongs to the corners of triangles; at: room for where the next of each part goes. */
+static vv_status sort_corners(vvi_mesh_builder *b, uint32_t **corners, uint64_t *at, const uint64_t *end)
+{
+    uint32_t *sorted = NULL;
+    const vv_status st = *corners ? resize(b, &sorted, 0, b->info.n_triangles, 3 * sizeof *sorted) : VV_OK;
+    if (st != VV_OK || !*corners)
+        return st;
+    for (size_t p = 0; p < b->info.n_parts; p++)
+        at[p] = p ? end[p - 1] : 0;
+    for (size_t t = 0; t < b->info.n_triangles; t++)
+        memcpy(sorted + 3 * at[b->part_of[t]]++, *corners + 3 * t, 3 * sizeof *sorted);
+    vvi_free(*corners);
+    *corners = sorted;
+    return VV_OK;
+}
+
 /* Triangles by part, in the order in which they came. */
 static vv_status sort_by_part(vvi_mesh_builder *b, const uint64_t *end)
 {
     uint64_t *at = NULL;
-    uint32_t *sorted = NULL;
     vv_status st = resize(b, &at, 0, b->info.n_parts, sizeof *at);
-    if (st == VV_OK && (st = resize(b, &sorted, 0, b->info.n_triangles, 3 * sizeof *sorted)) == VV_OK) {
-        for (size_t p = 0; p < b->info.n_parts; p++)
-            at[p] = p ? end[p - 1] : 0;
-        for (size_t t = 0; t < b->info.n_triangles; t++)
-            memcpy(sorted + 3 * at[b->part_of[t]]++, b->arrays.triangles + 3 * t, 3 * sizeof *sorted);
-        vvi_free(b->arrays.triangles);
-        b->arrays.triangles = sorted;
-    }
+    if (st == VV_OK && (st = sort_corners(b, &b->arrays.triangles, at, end)) == VV_OK)
+        st = sort_corners(b, &b->arrays.coordinate_of, at, end);
     vvi_free(at);
     return st;
 }
@@ -403,11 +454,29 @@ static vv_status settle_parts(vvi_mesh_builder *b)
 /* One part that says nothing is none. */
 static void drop_idle_part(vvi_mesh_builder *b)
 {
-    if (b->info.n_parts != 1 || b->arrays.parts[0].name[0] || b->arrays.parts[0].color.a >= 0)
+    const vv_mesh_part *part = b->arrays.parts;
+    if (b->info.n_parts != 1 || part->name[0] || part->color.a >= 0 || part->texture)
         return;
     vvi_free(b->arrays.parts);
     b->arrays.parts = NULL;
     b->info.n_parts = 0;
+}
+
+static size_t settle_coordinates(vvi_mesh_builder *b)
+{
+    size_t n_bad = 0;
+    if (!b->arrays.coordinates)
+        return 0;
+    if (!(b->with & VVI_MESH_CORNERS))
+        b->info.n_coordinates = b->info.n_vertices;
+    for (size_t i = 0; i < b->info.n_coordinates; i++) {
+        float *at = b->arrays.coordinates + 2 * i;
+        if (isfinite(at[0]) && isfinite(at[1]))
+            continue;
+        at[0] = at[1] = 0;
+        n_bad++;
+    }
+    return n_bad;
 }
 
 static vv_status check_all(vvi_mesh_builder *b, vv_notes *notes)
@@ -425,6 +494,8 @@ static vv_status check_all(vvi_mesh_builder *b, vv_notes *notes)
         st = vvi_notes_warn(notes, "has %zu self-intersecting polygons; their triangles overlap", n_bad);
     if (st == VV_OK && (n_bad = settle_normals(b)) > 0)
         st = vvi_notes_warn(notes, "has %zu normals that are not numbers; they are left out", n_bad);
+    if (st == VV_OK && (n_bad = settle_coordinates(b)) > 0)
+        st = vvi_notes_warn(notes, "has %zu texture coordinates that are not numbers; they become 0, 0", n_bad);
     if (st == VV_OK && (st = settle_parts(b)) == VV_OK)
         drop_idle_part(b);
     return st;

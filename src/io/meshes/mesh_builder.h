@@ -26,7 +26,7 @@ typedef struct vvi_mesh_builder {
     unsigned with;          /**< VVI_MESH_NORMALS, ... */
     bool unit_given;        /**< info.unit is the file's */
     vvi_mesh_fan *fans;     /**< to be looked at: they may be concave */
-    size_t n_fans, room_fans, room_vertices, room_triangles, room_parts;
+    size_t n_fans, room_fans, room_vertices, room_triangles, room_parts, room_coordinates;
     size_t n_cut; /**< names of parts that were too long */
 } vvi_mesh_builder;
 
@@ -35,7 +35,8 @@ void vvi_mesh_builder_begin(vvi_mesh_builder *out, vv_source *source, const vv_m
                             vv_job *job);
 /** Room for exactly so many more, for who knows; else it doubles by itself. */
 vv_status vvi_mesh_builder_reserve(vvi_mesh_builder *b, uint64_t n_vertices, uint64_t n_triangles);
-/** From now on vertices have these: those that are there get none (0), no value (NaN), white. */
+/** From now on vertices have these: those that are there get none (0), no value (NaN), white, coordinates 0, 0. With
+ * VVI_MESH_CORNERS triangles have coordinates, by number: 0, which is 0, 0, until vvi_mesh_builder_corners(). */
 vv_status vvi_mesh_builder_with(vvi_mesh_builder *b, unsigned with);
 /** n more vertices, uninitialised but for what `with` gives by default. */
 vv_status vvi_mesh_builder_vertices(vvi_mesh_builder *b, size_t n);
@@ -47,15 +48,21 @@ vv_status vvi_mesh_builder_triangle(vvi_mesh_builder *b, const uint32_t corner[3
 vv_status vvi_mesh_builder_polygon(vvi_mesh_builder *b, const uint32_t *corner, size_t n);
 /** Triangles of a strip, every second one turned; those that use a vertex twice only tie pieces and are left out. */
 vv_status vvi_mesh_builder_strip(vvi_mesh_builder *b, const uint32_t *corner, size_t n);
-/** Triangles that come belong to this part from now on; one more where none has this name and colour. color NULL: none
- * is given. Parts past VVI_MESH_PARTS_MOST go to the last. */
-vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color);
+/** Triangles that come belong to this part from now on; one more where none has this name, colour and texture. color
+ * NULL: none is given; texture: as in vv_mesh_part. Parts past VVI_MESH_PARTS_MOST go to the last. */
+vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color,
+                                size_t texture);
 enum { VVI_MESH_PARTS_MOST = 65536 };
 /** Takes what a comment says of the whole mesh, as VolVis writes it (unit, space, up), and which axis programs mean by
  * their signature alone. False: it is (also) for people. */
 bool vvi_mesh_builder_comment(vvi_mesh_builder *b, const char *text);
 /** A part without a look at those that are there; its number is n_parts - 1 afterwards. */
-vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color);
+vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color,
+                                    size_t texture);
+/** One more place on textures, with VVI_MESH_CORNERS; its number is info.n_coordinates - 1 afterwards. */
+vv_status vvi_mesh_builder_coordinate(vvi_mesh_builder *b, float u, float v);
+/** Which coordinates the corners of the polygon have that came last; it has n of them. */
+void vvi_mesh_builder_corners(vvi_mesh_builder *b, const uint32_t *coordinate, size_t n);
 /** Checks, cuts concave polygons, brings triangles into the order of parts. Errors: VV_E_FORMAT (a vertex that is not
  * there, a place that is no number, no triangles but vertices), VV_E_MEMORY. The builder is empty afterwards. */
 vv_status vvi_mesh_builder_finish(vv_mesh **out, vvi_mesh_builder *b, vv_notes *notes);

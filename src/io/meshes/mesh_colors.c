@@ -46,7 +46,7 @@ static vv_status add(vvi_face_colors *colors, size_t slot, vvi_mesh_builder *b, 
         color = vvi_mesh_color_of(bytes);
     colors->colors[colors->n++] = key;
     colors->slot[slot] = (uint32_t)colors->n;
-    return vvi_mesh_builder_new_part(b, "", 0, bytes ? &color : NULL);
+    return vvi_mesh_builder_new_part(b, "", 0, bytes ? &color : NULL, 0);
 }
 
 vv_status vvi_face_colors_use(vvi_face_colors *colors, vvi_mesh_builder *b, const uint8_t *bytes)

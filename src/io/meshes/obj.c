@@ -15,10 +15,11 @@ typedef struct reader {
     vvi_words words;
     vvi_mesh_builder b;
     vvi_obj_library library;
-    float *normal;       /* of vn, three each */
-    uint32_t *normal_of; /* of each vertex: vn + 1 that it had last, 0: none */
-    uint32_t *corner;
-    size_t n_normals, room_normals, room_normal_of, room_corner;
+    float *normal;                 /* of vn, three each */
+    uint32_t *normal_of;           /* of each vertex: vn + 1 that it had last, 0: none */
+    uint32_t *corner, *coordinate; /* of a face, and their coordinates on textures */
+    size_t n_normals, room_normals, room_normal_of, room_corner, room_coordinate;
+    uint64_t n_lost;  /* corners that name coordinates that there are not */
     size_t n_mixed;   /* corners whose vertex had another normal before */
     uint64_t n_other; /* lines of points, curves and other things */
     char group[64], material[64];
@@ -91,6 +92,16 @@ static vv_status read_normal(reader *r)
     return VV_OK;
 }
 
+/* u, u v or u v w. */
+static vv_status read_coordinate(reader *r)
+{
+    double v[3] = {0, 0, 0};
+    if (numbers_here(v, 3, &r->words) < 1)
+        return vvi_words_fail(&r->words, "a texture coordinate has no number");
+    const vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COORDINATES | VVI_MESH_CORNERS);
+    return st == VV_OK ? vvi_mesh_builder_coordinate(&r->b, (float)v[0], (float)v[1]) : st;
+}
+
 /* Faces ----------------------------------------------------------------------------------------------------------- */
 
 /* From 1, or backwards from the last with a sign; to from 0. */
@@ -121,10 +132,12 @@ static vv_status use_normal(reader *r, size_t vertex, size_t normal)
 }
 
 /* v, v/vt, v//vn or v/vt/vn. */
-static vv_status read_corner(reader *r, uint32_t *out, const char *word, size_t n)
+static vv_status read_corner(reader *r, uint32_t *out, uint32_t *coordinate, const char *word, size_t n)
 {
     const char *at = word;
-    size_t vertex, normal;
+    const size_t n_coordinates = r->b.info.n_coordinates ? r->b.info.n_coordinates - 1 : 0; /* the first is nobody's */
+    size_t vertex, normal, of;
+    *coordinate = 0;
     if (!scan_index(&vertex, &at, r->b.info.n_vertices))
         return vvi_words_fail(&r->words, "a face names vertex '%.*s', but %zu came before it", (int)(n < 40 ? n : 40),
                               word, r->b.info.n_vertices);
@@ -132,8 +145,12 @@ static vv_status read_corner(reader *r, uint32_t *out, const char *word, size_t 
     if (at[0] != '/')
         return at == word + n ? VV_OK : vvi_words_fail(&r->words, "'%.40s' is not a corner of a face", word);
     at++;
+    if (at < word + n && *at != '/' && scan_index(&of, &at, n_coordinates))
+        *coordinate = (uint32_t)of + 1;
+    else
+        r->n_lost += at < word + n && *at != '/';
     while (at < word + n && *at != '/')
-        at++; /* of textures */
+        at++;
     if (at == word + n)
         return VV_OK;
     at++;
@@ -158,10 +175,19 @@ static vv_status next_corner(reader *r, const char **word, size_t *n)
 
 static vv_status use_part(reader *r)
 {
-    const vvi_obj_material *m = vvi_obj_material_find(&r->library, r->material);
+    vvi_obj_material *m = vvi_obj_material_find(&r->library, r->material);
     const char *name = r->group[0] ? r->group : r->material;
+    vv_color color = m ? m->color : (vv_color){.a = -1};
+    size_t texture = 0;
     r->stale = false;
-    return vvi_mesh_builder_part(&r->b, name, strlen(name), m && m->color.a >= 0 ? &m->color : NULL);
+    if (m && m->map) {
+        const vv_status st = vvi_obj_material_texture(&texture, &r->library, m, &r->b, r->notes);
+        if (st != VV_OK)
+            return st;
+        if (texture && color.r + color.g + color.b == 0) /* some programs write that beside an image */
+            color = (vv_color){1, 1, 1, color.a};
+    }
+    return vvi_mesh_builder_part(&r->b, name, strlen(name), color.a >= 0 ? &color : NULL, texture);
 }
 
 static vv_status read_face(reader *r)
@@ -170,12 +196,17 @@ static vv_status read_face(reader *r)
     size_t n, n_corners = 0;
     vv_status st = r->stale ? use_part(r) : VV_OK;
     while (st == VV_OK && (st = next_corner(r, &word, &n)) == VV_OK && n > 0) {
-        if ((st = grow(&r->corner, &r->room_corner, n_corners + 1, sizeof *r->corner, r)) == VV_OK)
-            st = read_corner(r, &r->corner[n_corners++], word, n);
+        if ((st = grow(&r->corner, &r->room_corner, n_corners + 1, sizeof *r->corner, r)) == VV_OK &&
+            (st = grow(&r->coordinate, &r->room_coordinate, n_corners + 1, sizeof *r->coordinate, r)) == VV_OK)
+            st = read_corner(r, &r->corner[n_corners], &r->coordinate[n_corners], word, n);
+        n_corners++;
     }
     if (st == VV_OK && n_corners < 3)
         return vvi_words_fail(&r->words, "a face has %zu corners; at least 3 were expected", n_corners);
-    return st == VV_OK ? vvi_mesh_builder_polygon(&r->b, r->corner, n_corners) : st;
+    if (st == VV_OK && (st = vvi_mesh_builder_polygon(&r->b, r->corner, n_corners)) == VV_OK &&
+        r->b.with & VVI_MESH_CORNERS)
+        vvi_mesh_builder_corners(&r->b, r->coordinate, n_corners);
+    return st;
 }
 
 /* Lines ----------------------------------------------------------------------------------------------------------- */
@@ -224,6 +255,8 @@ static vv_status read_line(reader *r, const char *line)
         return read_vertex(r);
     if (strcmp(key, "vn") == 0)
         return read_normal(r);
+    if (strcmp(key, "vt") == 0)
+        return read_coordinate(r);
     if (strcmp(key, "f") == 0 || strcmp(key, "fo") == 0)
         return read_face(r);
     if (strcmp(key, "mtllib") == 0)
@@ -233,7 +266,7 @@ static vv_status read_line(reader *r, const char *line)
         r->stale = true;
         return VV_OK;
     }
-    if (strcmp(key, "vt") != 0 && strcmp(key, "s") != 0)
+    if (strcmp(key, "s") != 0)
         r->n_other++;
     for (size_t i = 0; i < n; i++)
         if ((unsigned char)word[i] < ' ' || (unsigned char)word[i] > 126)
@@ -256,6 +289,9 @@ static vv_status read_lines(reader *r)
     vv_status st = VV_OK;
     if (r->n_mixed > 0)
         st = vvi_notes_warn(r->notes, "has vertices with more than one normal; the mean is used");
+    if (st == VV_OK && r->n_lost > 0)
+        st = vvi_notes_warn(
+            r->notes, "has %" PRIu64 " corners of faces that name texture coordinates which do not exist", r->n_lost);
     if (st == VV_OK && r->n_other > 0)
         st = vvi_notes_warn(r->notes, "has %" PRIu64 " lines of points, curves and other things, which are left out",
                             r->n_other);
@@ -277,6 +313,7 @@ static vv_status read_obj(vv_mesh **out, vv_source *source, const vv_mesh_read_o
     vvi_free(r.normal);
     vvi_free(r.normal_of);
     vvi_free(r.corner);
+    vvi_free(r.coordinate);
     return st;
 }
 
@@ -308,10 +345,11 @@ const vv_mesh_format vvi_mesh_format_obj = {
     .up = VV_UP_Y,
     .api = VV_MESH_FORMAT_API,
     .name = "obj",
-    .doc = "Wavefront OBJ: normals, colours, parts; part colours in a .mtl file next to it",
+    .doc = "Wavefront OBJ: normals, colours, parts; part colours in a .mtl file next to it, images on triangles in "
+           "others",
     .suffixes = suffixes,
     .holds = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS | VV_MESH_HOLDS_PART_COLORS |
-             VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES,
+             VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES | VV_MESH_HOLDS_TEXTURES,
     .probe = probe,
     .read = read_obj,
     .write = vvi_obj_write,

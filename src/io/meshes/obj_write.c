@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/meshes/mesh_colors.h"
+#include "io/meshes/mesh_texture.h"
 #include "io/meshes/mesh_write.h"
 #include "io/meshes/obj.h"
 
@@ -26,43 +27,87 @@ static char *library_name(const char *path)
     return name;
 }
 
+static bool has_texture(const vv_mesh_info *m, size_t part)
+{
+    return m->parts[part].texture && m->coordinates;
+}
+
+static bool has_material(const vv_mesh_info *m, size_t part)
+{
+    return m->parts[part].color.a >= 0 || has_texture(m, part);
+}
+
+static bool has_translucent(const vv_mesh_texture *t)
+{
+    bool some = false;
+    for (size_t i = 0; i < (size_t)t->width * (size_t)t->height && !some; i++)
+        some = t->pixels[4 * i + 3] < 255;
+    return some;
+}
+
+static vv_status write_map(vv_sink *sink, const vv_sink *obj, const vv_mesh_info *m, size_t texture)
+{
+    const vv_mesh_texture *t = &m->textures[texture];
+    char *name = vvi_mesh_texture_name(obj, texture);
+    if (!name)
+        return vv_fail_memory(64);
+    const char *clamp = t->wrap[0] == VV_WRAP_CLAMP && t->wrap[1] == VV_WRAP_CLAMP ? "-clamp on " : "";
+    vv_status st = vvi_sink_printf(sink, "map_Kd %s%s\n", clamp, name);
+    if (st == VV_OK && has_translucent(t))
+        st = vvi_sink_printf(sink, "map_d %s%s\n", clamp, name);
+    free(name);
+    return st;
+}
+
 /* Kd as sRGB, as other programs show it. */
-static vv_status write_materials(vv_sink *sink, const vv_mesh_info *m)
+static vv_status write_materials(vv_sink *sink, const vv_sink *obj, const vv_mesh_info *m)
 {
     vv_status st = vvi_sink_printf(sink, "# written by VolVis\n");
     for (size_t i = 0; i < m->n_parts && st == VV_OK; i++) {
         uint8_t bytes[4];
         char number[4][32];
-        if (m->parts[i].color.a < 0)
+        const vv_color white = {1, 1, 1, 1}, *color = m->parts[i].color.a < 0 ? &white : &m->parts[i].color;
+        if (!has_material(m, i))
             continue;
-        vvi_mesh_bytes_of(bytes, &m->parts[i].color);
+        vvi_mesh_bytes_of(bytes, color);
         for (int c = 0; c < 3; c++)
             vvi_print_number(number[c], (float)bytes[c] / 255.0F);
-        vvi_print_number(number[3], m->parts[i].color.a);
+        vvi_print_number(number[3], color->a);
         st =
             vvi_sink_printf(sink, "newmtl part%zu\nKd %s %s %s\nd %s\n", i, number[0], number[1], number[2], number[3]);
+        if (st == VV_OK && has_texture(m, i))
+            st = write_map(sink, obj, m, m->parts[i].texture - 1);
     }
     return st;
 }
 
 /* *named: the header names the library. */
-static vv_status write_library(vv_sink *sink, const vv_mesh_info *m, bool *named, const vv_job *job)
+static vv_status write_library(vv_sink *sink, const vv_mesh_info *m, bool *named, vv_job *job)
 {
     vv_sink *library = NULL; /* belongs to `sink` */
     *named = false;
-    if (!vvi_mesh_has_part_colors(m))
+    bool some = false;
+    for (size_t i = 0; i < m->n_parts; i++)
+        some |= has_material(m, i);
+    if (!some)
         return VV_OK;
     if (strcmp(vvi_sink_name(sink), "standard output") == 0) {
-        vvi_log(job, VV_LOG_WARNING, "io",
-                "OBJ keeps part colours in a second file, which standard output has no place for; they are left out");
+        vvi_log(
+            job, VV_LOG_WARNING, "io",
+            "OBJ keeps part colours and images in other files, which standard output has no place for; they are left "
+            "out");
         return VV_OK;
     }
     char *name = library_name(vvi_sink_name(sink));
     if (!name)
         return vv_fail_memory(strlen(vvi_sink_name(sink)));
     vv_status st = vvi_sink_beside_on_line(&library, sink, name);
-    if (st == VV_OK && (st = write_materials(library, m)) == VV_OK)
+    if (st == VV_OK && (st = write_materials(library, sink, m)) == VV_OK)
         st = vvi_sink_printf(sink, "mtllib %s\n", name);
+    if (m->coordinates)
+        vvi_mesh_texture_warn(sink, m, true, "OBJ", job);
+    for (size_t i = 0; i < m->n_textures && st == VV_OK && m->coordinates; i++)
+        st = vvi_mesh_texture_write(sink, m, i, job);
     *named = st == VV_OK;
     free(name);
     return st;
@@ -75,7 +120,7 @@ static void add_part(vvi_mesh_text *t, const vv_mesh_info *m, size_t part, bool 
     vvi_mesh_text_add(t, "o ");
     vvi_mesh_text_add(t, name);
     vvi_mesh_text_add(t, "\n");
-    if (!named || m->parts[part].color.a < 0)
+    if (!named || !has_material(m, part))
         return;
     vvi_mesh_text_add(t, "usemtl part");
     t->in_line = false;
@@ -98,9 +143,15 @@ static void add_face(vvi_mesh_text *t, const vv_mesh_info *m, size_t i)
     for (size_t k = 0; k < 3; k++) {
         const uint64_t v = (uint64_t)m->triangles[3 * i + k] + 1;
         vvi_mesh_text_uint(t, v);
+        if (m->coordinates || m->normals) {
+            vvi_mesh_text_add(t, "/");
+            t->in_line = false;
+        }
+        if (m->coordinates)
+            vvi_mesh_text_uint(t, (uint64_t)(m->coordinate_of ? m->coordinate_of : m->triangles)[3 * i + k] + 1);
         if (!m->normals)
             continue;
-        vvi_mesh_text_add(t, "//");
+        vvi_mesh_text_add(t, "/");
         t->in_line = false;
         vvi_mesh_text_uint(t, v);
     }
@@ -130,6 +181,17 @@ static void add_normals(vvi_mesh_text *t, const void *user, size_t first, size_t
     }
 }
 
+static void add_coordinates(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    const vv_mesh_info *m = ((const obj_rows *)user)->m;
+    for (size_t i = first; i < end && t->status == VV_OK; i++) {
+        vvi_mesh_text_add(t, "vt");
+        vvi_mesh_text_float(t, m->coordinates[2 * i]);
+        vvi_mesh_text_float(t, m->coordinates[2 * i + 1]);
+        vvi_mesh_text_add(t, "\n");
+    }
+}
+
 static void add_faces(vvi_mesh_text *t, const void *user, size_t first, size_t end)
 {
     const obj_rows *o = user;
@@ -155,6 +217,8 @@ static vv_status write_lines(vv_sink *sink, const vv_mesh *mesh, bool named, vv_
     vvi_mesh_text_rows(&t, add_vertices, &rows, rows.m->n_vertices);
     if (rows.m->normals)
         vvi_mesh_text_rows(&t, add_normals, &rows, rows.m->n_vertices);
+    if (rows.m->coordinates)
+        vvi_mesh_text_rows(&t, add_coordinates, &rows, rows.m->n_coordinates);
     vvi_mesh_text_rows(&t, add_faces, &rows, rows.m->n_triangles);
     return vvi_mesh_text_end(&t);
 }

@@ -16,11 +16,12 @@ static const char *const encodings[] = {"binary", "big-endian", "ascii", NULL};
 const vv_mesh_format vvi_mesh_format_ply = {
     .api = VV_MESH_FORMAT_API,
     .name = "ply",
-    .doc = "Stanford PLY: normals, values, colours, parts and units",
+    .doc = "Stanford PLY: normals, values, colours, parts and units; images on triangles in files next to it",
+    .beside = true,
     .suffixes = suffixes,
     .encodings = encodings,
     .holds = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_VALUES | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS |
-             VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES,
+             VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES | VV_MESH_HOLDS_TEXTURES,
     .probe = probe,
     .read = vvi_ply_read,
     .write = vvi_ply_write,

@@ -19,8 +19,12 @@ typedef enum vvi_ply_role {
     VVI_PLY_BLUE,
     VVI_PLY_ALPHA,
     VVI_PLY_VALUE,
+    VVI_PLY_U,
+    VVI_PLY_V,
+    VVI_PLY_TEXTURE, /* of a face: which image */
     VVI_PLY_PART,
     VVI_PLY_CORNERS,
+    VVI_PLY_COORDINATES, /* of the corners of a face: u v of each */
     VVI_PLY_ROLES,
     VVI_PLY_NOTHING = VVI_PLY_ROLES
 } vvi_ply_role;
@@ -34,7 +38,7 @@ typedef struct vvi_ply_property {
 
 typedef enum vvi_ply_kind { VVI_PLY_VERTEX, VVI_PLY_FACE, VVI_PLY_STRIPS, VVI_PLY_OTHER } vvi_ply_kind;
 
-enum { VVI_PLY_ELEMENTS_MOST = 32, VVI_PLY_PROPERTIES_MOST = 128 };
+enum { VVI_PLY_ELEMENTS_MOST = 32, VVI_PLY_PROPERTIES_MOST = 128, VVI_PLY_TEXTURES_MOST = 256 };
 
 typedef struct vvi_ply_element {
     char name[64];
@@ -51,6 +55,8 @@ typedef struct vvi_ply {
     vvi_ply_element element[VVI_PLY_ELEMENTS_MOST];
     size_t n_elements;
     size_t n_part_names;
+    char *texture[VVI_PLY_TEXTURES_MOST]; /**< files of images; for free() */
+    size_t n_textures;
 } vvi_ply;
 
 /** Everything up to the data; unit, space, names and parts go to the builder. */

@@ -1,3 +1,4 @@
+#include "core/memory.h"
 #include "core/text.h"
 #include "io/meshes/mesh_column.h"
 #include "io/meshes/ply.h"
@@ -29,6 +30,14 @@ static const struct {
     {"value", VVI_PLY_VALUE},
     {"scalar", VVI_PLY_VALUE},
     {"intensity", VVI_PLY_VALUE},
+    {"s", VVI_PLY_U},
+    {"t", VVI_PLY_V},
+    {"u", VVI_PLY_U},
+    {"v", VVI_PLY_V},
+    {"texture_u", VVI_PLY_U},
+    {"texture_v", VVI_PLY_V},
+    {"texture_s", VVI_PLY_U},
+    {"texture_t", VVI_PLY_V},
 };
 
 static const struct {
@@ -42,7 +51,14 @@ static const struct {
     {"blue", VVI_PLY_BLUE},
     {"alpha", VVI_PLY_ALPHA},
     {"part", VVI_PLY_PART},
+    {"texcoord", VVI_PLY_COORDINATES},
+    {"texnumber", VVI_PLY_TEXTURE},
 };
+
+static bool is_list(vvi_ply_role role)
+{
+    return role == VVI_PLY_CORNERS || role == VVI_PLY_COORDINATES;
+}
 
 static vvi_ply_role role_of(vvi_ply_kind kind, const char *name, bool list)
 {
@@ -52,7 +68,7 @@ static vvi_ply_role role_of(vvi_ply_kind kind, const char *name, bool list)
     for (size_t i = 0; kind == VVI_PLY_FACE || kind == VVI_PLY_STRIPS; i++) {
         if (i == sizeof face_roles / sizeof *face_roles)
             break;
-        if (strcmp(face_roles[i].name, name) == 0 && list == (face_roles[i].role == VVI_PLY_CORNERS))
+        if (strcmp(face_roles[i].name, name) == 0 && list == is_list(face_roles[i].role))
             return face_roles[i].role;
     }
     return kind == VVI_PLY_VERTEX && !list && strncmp(name, "scalar_", 7) == 0 ? VVI_PLY_VALUE : VVI_PLY_NOTHING;
@@ -197,7 +213,13 @@ static vv_status read_comment(vvi_ply *ply, const char *text, vvi_mesh_builder *
         copy_text(b->info.value_unit, sizeof b->info.value_unit, value);
     } else if ((value = after_key(text, "part")) || strcmp(text, "part:") == 0) {
         ply->n_part_names++;
-        return vvi_mesh_builder_new_part(b, value ? value : "", value ? strlen(value) : 0, NULL);
+        return vvi_mesh_builder_new_part(b, value ? value : "", value ? strlen(value) : 0, NULL, 0);
+    } else if ((value = after_key(text, "TextureFile")) && ply->n_textures < VVI_PLY_TEXTURES_MOST) {
+        char *name = ply->texture[ply->n_textures++] = vvi_strdup(value);
+        if (!name)
+            return vv_fail_memory(strlen(value));
+        for (size_t n = strlen(name); n > 0 && (name[n - 1] == ' ' || name[n - 1] == '\t'); n--)
+            name[n - 1] = 0;
     } else {
         return vvi_notes_add(notes, "comment", text);
     }

@@ -3,11 +3,13 @@
 #include "core/memory.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
+#include "io/meshes/mesh_texture.h"
 #include "io/meshes/ply.h"
 #include "registry.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define ROOM ((size_t)1 << 20)
@@ -22,10 +24,14 @@ typedef struct reader {
     size_t at, end, room;
     uint32_t *corner; /* of one polygon */
     size_t room_corner, n_corner;
-    double value[VVI_PLY_ROLES]; /* of one record */
-    double *column;              /* of VVI_COLUMN_MOST records */
-    double odd;                  /* of a face: what is named and can be no vertex; 0: nothing */
-    bool parted, colored;        /* faces say which part they belong to, or which colour they have */
+    double *place; /* u v of its corners on a texture */
+    size_t room_place, n_place;
+    size_t texture[VVI_PLY_TEXTURES_MOST]; /* of each that the header names: as in vv_mesh_part */
+    bool numbered;                         /* faces say which one they have */
+    double value[VVI_PLY_ROLES];           /* of one record */
+    double *column;                        /* of VVI_COLUMN_MOST records */
+    double odd;                            /* of a face: what is named and can be no vertex; 0: nothing */
+    bool parted, colored;                  /* faces say which part they belong to, or which colour they have */
     vv_source *source;
     vv_job *job;
 } reader;
@@ -80,6 +86,8 @@ static unsigned vertex_has(const vvi_ply_element *e)
         with |= VVI_MESH_NORMALS;
     if (vvi_ply_find(e, VVI_PLY_RED) && vvi_ply_find(e, VVI_PLY_GREEN) && vvi_ply_find(e, VVI_PLY_BLUE))
         with |= VVI_MESH_COLORS;
+    if (vvi_ply_find(e, VVI_PLY_U) && vvi_ply_find(e, VVI_PLY_V))
+        with |= VVI_MESH_COORDINATES;
     return with | (vvi_ply_find(e, VVI_PLY_VALUE) ? VVI_MESH_VALUES : 0);
 }
 
@@ -109,6 +117,9 @@ static void put_column(reader *r, const vvi_ply_property *p, const double *v, si
     else if (p->role >= VVI_PLY_RED && p->role <= VVI_PLY_ALPHA && a->colors)
         for (size_t i = 0; i < n; i++)
             a->colors[4 * (first + i) + (size_t)(p->role - VVI_PLY_RED)] = color_byte(v[i], p->type);
+    else if ((p->role == VVI_PLY_U || p->role == VVI_PLY_V) && a->coordinates)
+        for (size_t i = 0; i < n; i++)
+            a->coordinates[2 * (first + i) + (p->role == VVI_PLY_V)] = (float)v[i];
     else if (p->role == VVI_PLY_VALUE && a->values)
         for (size_t i = 0; i < n; i++)
             a->values[first + i] = (float)v[i];
@@ -189,9 +200,39 @@ static void color_part(reader *r)
     part->color = vvi_mesh_color_of(bytes);
 }
 
+/* The image of a face is its part's. */
+static vv_status use_texture(reader *r)
+{
+    const double number = r->numbered ? r->value[VVI_PLY_TEXTURE] : 0;
+    const bool known = number >= 0 && number < (double)r->ply->n_textures;
+    const size_t texture = known ? r->texture[(size_t)number] : 0;
+    if (!r->parted && !r->colored)
+        return vvi_mesh_builder_part(&r->b, "", 0, NULL, texture);
+    if (r->b.part < r->b.info.n_parts)
+        r->b.arrays.parts[r->b.part].texture = texture;
+    return VV_OK;
+}
+
+/* The list may be empty, of a face without an image. */
+static vv_status take_places(reader *r)
+{
+    vv_status st = VV_OK;
+    if (!(r->b.with & VVI_MESH_CORNERS) || r->n_place != 2 * r->n_corner)
+        return VV_OK;
+    for (size_t i = 0; i < r->n_corner && st == VV_OK; i++) { /* whose vertices are taken */
+        st = vvi_mesh_builder_coordinate(&r->b, (float)r->place[2 * i], (float)r->place[2 * i + 1]);
+        r->corner[i] = (uint32_t)(r->b.info.n_coordinates - 1);
+    }
+    if (st == VV_OK)
+        vvi_mesh_builder_corners(&r->b, r->corner, r->n_corner);
+    return st;
+}
+
 static vv_status take_face(reader *r)
 {
     vv_status st = r->parted || r->colored ? use_part(r) : VV_OK;
+    if (st == VV_OK && r->ply->n_textures)
+        st = use_texture(r);
     if (st != VV_OK)
         return st;
     if (r->parted && r->colored)
@@ -200,8 +241,9 @@ static vv_status take_face(reader *r)
         return vv_fail_at(VV_E_FORMAT, r->b.file, NULL,
                           "a face before triangle %zu has %zu corners; at least 3 were expected (counted from 0)",
                           r->b.info.n_triangles, r->n_corner);
-    return r->n_corner == 3 ? vvi_mesh_builder_triangle(&r->b, r->corner)
-                            : vvi_mesh_builder_polygon(&r->b, r->corner, r->n_corner);
+    st = r->n_corner == 3 ? vvi_mesh_builder_triangle(&r->b, r->corner)
+                          : vvi_mesh_builder_polygon(&r->b, r->corner, r->n_corner);
+    return st == VV_OK ? take_places(r) : st;
 }
 
 /* Strips stand in one list, each ended by -1. */
@@ -313,6 +355,19 @@ static vv_status room_for_corners(reader *r, uint64_t n)
     return VV_OK;
 }
 
+static vv_status room_for_list(reader *r, const vvi_ply_property *p, uint64_t n)
+{
+    const vv_status st = room_for_corners(r, n);
+    if (st != VV_OK || p->role != VVI_PLY_COORDINATES || n <= r->room_place)
+        return st;
+    double *grown = vvi_realloc(r->job, r->place, (size_t)(2 * n) * sizeof *grown, VVI_MEM_SCRATCH);
+    if (!grown)
+        return vv_fail_memory((size_t)(2 * n) * sizeof *grown);
+    r->place = grown;
+    r->room_place = (size_t)(2 * n);
+    return VV_OK;
+}
+
 /* Items of a list: kept where they are corners. */
 static vv_status read_items(reader *r, const vvi_ply_property *p, size_t n)
 {
@@ -320,6 +375,8 @@ static vv_status read_items(reader *r, const vvi_ply_property *p, size_t n)
     const bool kept = p->role == VVI_PLY_CORNERS;
     if (kept)
         r->n_corner = n;
+    if (p->role == VVI_PLY_COORDINATES)
+        r->n_place = n;
     for (size_t i = 0; i < n;) {
         const size_t some = n - i < VVI_COLUMN_MOST ? n - i : VVI_COLUMN_MOST;
         const uint8_t *at = need(r, some * bytes);
@@ -330,6 +387,9 @@ static vv_status read_items(reader *r, const vvi_ply_property *p, size_t n)
             for (size_t k = 0; k < some && p->type == VV_TYPE_I32; k++)
                 if (r->corner[i + k] > INT32_MAX)
                     r->odd = (int32_t)r->corner[i + k];
+        } else if (p->role == VVI_PLY_COORDINATES) {
+            const vvi_column column = {p->type, r->ply->swapped, 0, bytes};
+            vvi_column_load(r->place + i, &column, at, some);
         } else if (kept) {
             const vvi_column column = {p->type, r->ply->swapped, 0, bytes};
             vvi_column_load(r->column, &column, at, some);
@@ -346,7 +406,7 @@ static vv_status read_list(reader *r, const vvi_ply_property *p)
     double n;
     if (!read_number(r, &n, p->count_type))
         return vv_error_last()->status;
-    const vv_status st = room_for_corners(r, n >= 0 ? (uint64_t)n : UINT64_MAX);
+    const vv_status st = room_for_list(r, p, n >= 0 ? (uint64_t)n : UINT64_MAX);
     return st == VV_OK ? read_items(r, p, (size_t)n) : st;
 }
 
@@ -374,14 +434,18 @@ static vv_status read_record_of_words(reader *r)
         int64_t n = 1;
         double v;
         if (p->list && ((st = vvi_words_int(&r->words, &n, 0, INT64_MAX, "the length of a list")) != VV_OK ||
-                        (st = room_for_corners(r, (uint64_t)n)) != VV_OK))
+                        (st = room_for_list(r, p, (uint64_t)n)) != VV_OK))
             return st;
         if (p->list && p->role == VVI_PLY_CORNERS)
             r->n_corner = (size_t)n;
+        if (p->list && p->role == VVI_PLY_COORDINATES)
+            r->n_place = (size_t)n;
         for (int64_t k = 0; k < n && st == VV_OK; k++) {
             st = vvi_words_real(&r->words, &v, r->element->name);
             if (p->role == VVI_PLY_CORNERS && st == VV_OK)
                 r->corner[k] = index_of(r, v);
+            else if (p->role == VVI_PLY_COORDINATES && st == VV_OK)
+                r->place[k] = v;
             else if (p->role != VVI_PLY_NOTHING && st == VV_OK)
                 r->value[p->role] = v;
         }
@@ -420,6 +484,11 @@ static vv_status read_element(reader *r, const vvi_ply_element *e)
             return st;
     }
     if (e->kind == VVI_PLY_FACE) {
+        const bool placed = !(r->b.with & VVI_MESH_COORDINATES) && vvi_ply_find(e, VVI_PLY_COORDINATES);
+        const vv_status st = placed ? vvi_mesh_builder_with(&r->b, VVI_MESH_COORDINATES | VVI_MESH_CORNERS) : VV_OK;
+        if (st != VV_OK)
+            return st;
+        r->numbered = vvi_ply_find(e, VVI_PLY_TEXTURE);
         r->parted = r->ply->n_part_names > 0 && vvi_ply_find(e, VVI_PLY_PART);
         r->colored = vvi_ply_find(e, VVI_PLY_RED) && vvi_ply_find(e, VVI_PLY_GREEN) && vvi_ply_find(e, VVI_PLY_BLUE);
     }
@@ -449,16 +518,19 @@ static vv_status take_room(reader *r)
     r->bytes = vvi_alloc(r->job, ROOM, VVI_MEM_SCRATCH);
     r->corner = vvi_alloc(r->job, r->room_corner * sizeof *r->corner, VVI_MEM_SCRATCH);
     r->column = vvi_alloc(r->job, VVI_COLUMN_MOST * sizeof *r->column, VVI_MEM_SCRATCH);
-    r->ply = vvi_alloc(r->job, sizeof *r->ply, VVI_MEM_SCRATCH);
+    r->ply = vvi_alloc_zeroed(r->job, sizeof *r->ply, VVI_MEM_SCRATCH);
     return r->bytes && r->corner && r->column && r->ply ? VV_OK : vv_fail_memory(ROOM);
 }
 
 static vv_status read_all(reader *r, vv_notes *notes)
 {
+    static const vvi_texture_use use = {{VV_WRAP_REPEAT, VV_WRAP_REPEAT}, VVI_TEXTURE_BLEND, 0};
     vv_status st = vvi_ply_read_header(r->ply, &r->words, &r->b, notes);
     r->b.precise = st == VV_OK && is_precise(r->ply);
     if (st != VV_OK || (st = check_sizes(r)) != VV_OK || (st = reserve(r)) != VV_OK)
         return st;
+    for (size_t i = 0; i < r->ply->n_textures && st == VV_OK; i++)
+        st = vvi_mesh_texture_find(&r->texture[i], &r->b, r->ply->texture[i], &use, notes);
     for (size_t i = 0; i < r->ply->n_elements && st == VV_OK; i++)
         st = read_element(r, &r->ply->element[i]);
     return st == VV_OK ? vvi_face_colors_finish(&r->colors, &r->b, notes) : st;
@@ -479,6 +551,9 @@ vv_status vvi_ply_read(vv_mesh **out, vv_source *source, const vv_mesh_read_opti
     vvi_free(r.bytes);
     vvi_free(r.corner);
     vvi_free(r.column);
+    vvi_free(r.place);
+    for (size_t i = 0; r.ply && i < r.ply->n_textures; i++)
+        free(r.ply->texture[i]);
     vvi_free(r.ply);
     return st;
 }

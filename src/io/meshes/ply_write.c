@@ -3,9 +3,11 @@
 #include "core/memory.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
+#include "io/meshes/mesh_texture.h"
 #include "io/meshes/mesh_write.h"
 #include "io/meshes/ply.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK = VVI_COLUMN_MOST, RECORD_MOST = 64 };
@@ -14,6 +16,7 @@ typedef struct writer {
     vv_sink *sink;
     const vv_mesh_info *mesh;
     bool ascii, swapped, doubles, parted, face_colors;
+    bool numbered; /* faces say which image they have */
     vv_job *job;
 } writer;
 
@@ -40,6 +43,11 @@ static vv_status write_header(const writer *w, const char *encoding)
         vvi_mesh_line_of(name, m->parts[i].name);
         st = vvi_sink_printf(w->sink, "comment part: %s\n", name);
     }
+    for (size_t i = 0; w->numbered && i < m->n_textures && st == VV_OK; i++) {
+        char *name = vvi_mesh_texture_name(w->sink, i);
+        st = name ? vvi_sink_printf(w->sink, "comment TextureFile %s\n", name) : vv_fail_memory(64);
+        free(name);
+    }
     if (st == VV_OK)
         st = vvi_sink_printf(w->sink, "element vertex %zu\nproperty %s x\nproperty %s y\nproperty %s z\n",
                              m->n_vertices, real, real, real);
@@ -50,11 +58,17 @@ static vv_status write_header(const writer *w, const char *encoding)
     if (st == VV_OK && m->colors)
         st = vvi_sink_printf(w->sink, "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                                       "property uchar alpha\n");
+    if (st == VV_OK && m->coordinates && !m->coordinate_of)
+        st = vvi_sink_printf(w->sink, "property float s\nproperty float t\n");
     if (st == VV_OK)
         st = vvi_sink_printf(w->sink, "element face %zu\nproperty list uchar int vertex_indices\n", m->n_triangles);
     if (st == VV_OK && w->face_colors)
         st = vvi_sink_printf(w->sink, "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                                       "property uchar alpha\n");
+    if (st == VV_OK && m->coordinate_of)
+        st = vvi_sink_printf(w->sink, "property list uchar float texcoord\n");
+    if (st == VV_OK && w->numbered)
+        st = vvi_sink_printf(w->sink, "property int texnumber\n");
     if (st == VV_OK && w->parted)
         st = vvi_sink_printf(w->sink, "property int part\n");
     return st == VV_OK ? vvi_sink_printf(w->sink, "end_header\n") : st;
@@ -97,7 +111,17 @@ static uint8_t *put_vertex(uint8_t *out, const writer *w, size_t i)
         memcpy(out, m->colors + 4 * i, 4);
         out += 4;
     }
-    return out;
+    return m->coordinates && !m->coordinate_of ? put_floats(out, m->coordinates + 2 * i, 2, w->swapped) : out;
+}
+
+static const float *place_of(const vv_mesh_info *m, size_t t, size_t corner)
+{
+    return m->coordinates + 2 * (size_t)m->coordinate_of[3 * t + corner];
+}
+
+static int32_t texture_of(const vv_mesh_part *part)
+{
+    return part ? (int32_t)part->texture - 1 : -1;
 }
 
 static uint8_t *put_face(uint8_t *out, const writer *w, size_t t, size_t *part)
@@ -109,13 +133,19 @@ static uint8_t *put_face(uint8_t *out, const writer *w, size_t t, size_t *part)
     for (int i = 0; i < 3 && w->swapped; i++)
         put(out + 4 * i, v + i, 4, true);
     out += 12;
-    const vv_mesh_part *p = w->parted || w->face_colors ? vvi_mesh_part_at(w->mesh, t, part) : NULL;
+    const vv_mesh_part *p = vvi_mesh_part_at(w->mesh, t, part);
     uint8_t color[4] = {255, 255, 255, 255};
     if (p && p->color.a >= 0)
         vvi_mesh_bytes_of(color, &p->color);
     if (w->face_colors)
         out = put(out, color, 4, false);
-    const int32_t number = (int32_t)*part;
+    if (w->mesh->coordinate_of)
+        *out++ = 6;
+    for (size_t i = 0; i < 3 && w->mesh->coordinate_of; i++)
+        out = put_floats(out, place_of(w->mesh, t, i), 2, w->swapped);
+    const int32_t number = (int32_t)*part, texture = texture_of(p);
+    if (w->numbered)
+        out = put(out, &texture, 4, w->swapped);
     return w->parted ? put(out, &number, 4, w->swapped) : out;
 }
 
@@ -149,6 +179,8 @@ static void text_vertex(vvi_mesh_text *t, const writer *w, size_t i)
         vvi_mesh_text_float(t, m->values[i]);
     for (size_t c = 0; c < 4 && m->colors; c++)
         vvi_mesh_text_uint(t, m->colors[4 * i + c]);
+    for (size_t c = 0; c < 2 && m->coordinates && !m->coordinate_of; c++)
+        vvi_mesh_text_float(t, m->coordinates[2 * i + c]);
     vvi_mesh_text_add(t, "\n");
 }
 
@@ -157,12 +189,18 @@ static void text_face(vvi_mesh_text *t, const writer *w, size_t i, size_t *part)
     vvi_mesh_text_add(t, "3");
     for (size_t k = 0; k < 3; k++)
         vvi_mesh_text_uint(t, w->mesh->triangles[3 * i + k]);
-    const vv_mesh_part *p = w->parted || w->face_colors ? vvi_mesh_part_at(w->mesh, i, part) : NULL;
+    const vv_mesh_part *p = vvi_mesh_part_at(w->mesh, i, part);
     uint8_t color[4] = {255, 255, 255, 255};
     if (p && p->color.a >= 0)
         vvi_mesh_bytes_of(color, &p->color);
     for (int c = 0; c < 4 && w->face_colors; c++)
         vvi_mesh_text_uint(t, color[c]);
+    if (w->mesh->coordinate_of)
+        vvi_mesh_text_add(t, " 6");
+    for (size_t c = 0; c < 6 && w->mesh->coordinate_of; c++)
+        vvi_mesh_text_float(t, place_of(w->mesh, i, c / 2)[c % 2]);
+    if (w->numbered)
+        vvi_mesh_text_double(t, texture_of(p));
     if (w->parted)
         vvi_mesh_text_uint(t, *part);
     vvi_mesh_text_add(t, "\n");
@@ -195,6 +233,10 @@ static vv_status write_text(const writer *w)
 vv_status vvi_ply_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)
 {
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const bool alone = strcmp(vvi_sink_name(sink), "standard output") == 0;
+    if (alone && m->n_textures)
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "PLY keeps images in other files, which standard output has no place for; they are left out");
     const writer w = {
         .sink = sink,
         .mesh = m,
@@ -203,9 +245,14 @@ vv_status vvi_ply_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
         .doubles = vvi_mesh_needs_doubles(mesh),
         .parted = m->n_parts > 0,
         .face_colors = vvi_mesh_has_part_colors(m),
+        .numbered = m->n_textures && m->coordinates && !alone,
         .job = job,
     };
-    const vv_status st = write_header(&w, options->encoding);
+    if (w.numbered)
+        vvi_mesh_texture_warn(sink, m, false, "PLY", job);
+    vv_status st = write_header(&w, options->encoding);
+    for (size_t i = 0; i < m->n_textures && w.numbered && st == VV_OK; i++)
+        st = vvi_mesh_texture_write(sink, m, i, job);
     if (st != VV_OK)
         return st;
     return w.ascii ? write_text(&w) : write_binary(&w);

@@ -13,9 +13,10 @@ typedef struct point {
 } point;
 
 typedef struct polygon {
-    uint32_t *corner; /* n vertices */
-    point *at;        /* in the plane, counter-clockwise */
-    uint32_t *left;   /* numbers of corners that are not cut off yet */
+    uint32_t *corner;     /* n vertices */
+    uint32_t *coordinate; /* and on textures; where there are some */
+    point *at;            /* in the plane, counter-clockwise */
+    uint32_t *left;       /* numbers of corners that are not cut off yet */
     size_t n, n_left;
 } polygon;
 
@@ -82,8 +83,8 @@ static bool is_ear(const polygon *p, size_t i)
     return true;
 }
 
-/* False where no ear was left, so that some triangles turn back. */
-static bool cut(uint32_t *t, polygon *p)
+/* False where no ear was left, so that some triangles turn back. c: of coordinates, NULL: there are none. */
+static bool cut(uint32_t *t, uint32_t *c, polygon *p)
 {
     bool right = true;
     size_t at = 0;
@@ -95,9 +96,13 @@ static bool cut(uint32_t *t, polygon *p)
             tried++;
         right = right && (tried < p->n_left || p->n_left == 3);
         at = (at + tried) % p->n_left;
-        t[0] = p->corner[p->left[(at + p->n_left - 1) % p->n_left]];
-        t[1] = p->corner[p->left[at]];
-        t[2] = p->corner[p->left[(at + 1) % p->n_left]];
+        for (size_t k = 0; k < 3; k++) {
+            const uint32_t of = p->left[(at + p->n_left + k - 1) % p->n_left];
+            t[k] = p->corner[of];
+            if (c)
+                c[k] = p->coordinate[of];
+        }
+        c += c ? 3 : 0;
         memmove(p->left + at, p->left + at + 1, (p->n_left - at - 1) * sizeof *p->left);
         p->n_left--;
         at = at < p->n_left ? at : 0;
@@ -110,23 +115,28 @@ vv_status vvi_mesh_cut_fans(size_t *n_bad_out, vvi_mesh_builder *b)
     *n_bad_out = 0;
     if (b->n_fans == 0)
         return VV_OK;
-    const size_t bytes = CORNERS_MOST * (sizeof(point) + 2 * sizeof(uint32_t));
+    const size_t bytes = CORNERS_MOST * (sizeof(point) + 3 * sizeof(uint32_t));
     point *room = vvi_alloc(b->job, bytes, VVI_MEM_SCRATCH);
     if (!room)
         return vv_fail_memory(bytes);
     polygon p = {.at = room, .corner = (uint32_t *)(room + CORNERS_MOST)};
     p.left = p.corner + CORNERS_MOST;
+    p.coordinate = p.left + CORNERS_MOST;
     for (size_t i = 0; i < b->n_fans; i++) {
-        uint32_t *t = b->arrays.triangles + 3 * (size_t)b->fans[i].first_triangle;
+        const size_t first = b->fans[i].first_triangle;
+        uint32_t *t = b->arrays.triangles + 3 * first;
+        uint32_t *c = b->arrays.coordinate_of ? b->arrays.coordinate_of + 3 * first : NULL;
         p.n = b->fans[i].n;
         if (p.n > CORNERS_MOST) {
             ++*n_bad_out;
             continue;
         }
         corners_of_fan(p.corner, t, p.n);
+        if (c)
+            corners_of_fan(p.coordinate, c, p.n);
         project(&p, b->arrays.positions);
         if (!fan_is_right(&p))
-            *n_bad_out += !cut(t, &p);
+            *n_bad_out += !cut(t, c, &p);
     }
     vvi_free(room);
     return VV_OK;

@@ -273,7 +273,7 @@ static vv_status begin_solid(text *r)
     while (n > 0 && (name[n - 1] == ' ' || name[n - 1] == '\t' || name[n - 1] == '\r'))
         n--;
     vv_status st = flush(r);
-    if (st != VV_OK || (st = vvi_mesh_builder_new_part(&r->b, name, n, NULL)) != VV_OK)
+    if (st != VV_OK || (st = vvi_mesh_builder_new_part(&r->b, name, n, NULL, 0)) != VV_OK)
         return st;
     r->b.part = (uint32_t)r->b.info.n_parts - 1;
     r->words.at += strlen(r->words.at);

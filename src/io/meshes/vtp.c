@@ -264,7 +264,7 @@ static vv_status take_notes(reader *r)
     for (size_t i = 0; st == VV_OK && vvi_notes_get(own, i, &key, &value); i++) {
         if (strncmp(key, "volvis part ", 12) == 0) {
             /* the first letter keeps names that are empty */
-            st = vvi_mesh_builder_new_part(&r->b, value + 1, strlen(value) - 1, NULL);
+            st = vvi_mesh_builder_new_part(&r->b, value + 1, strlen(value) - 1, NULL, 0);
             r->n_named++;
         } else if (strcmp(key, "volvis up") == 0) {
             r->b.info.up = strcmp(value, "y") == 0 ? VV_UP_Y : VV_UP_Z;

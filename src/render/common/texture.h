@@ -22,38 +22,25 @@
  */
 #ifndef VVI_RENDER_TEXTURE_H
 #define VVI_RENDER_TEXTURE_H
+#include "image/image_levels.h"
 #include <volvis/sys/scene.h>
 
-enum { VVI_TEXTURE_LANES = 16, VVI_TEXTURE_LEVELS = 32, VVI_TEXTURE_OCTAVES = 4 };
-
-/** One image of a pyramid: rows from the top, linear, premultiplied. */
-typedef struct vvi_texture_level {
-    int32_t n[2], first; /**< columns and rows; the number of the first texel among those of all levels */
-    const float *rgba;
-} vvi_texture_level;
+enum { VVI_TEXTURE_LANES = 16, VVI_TEXTURE_OCTAVES = 4 };
 
 typedef struct vvi_texture {
     int kind, mapping, wrap;
     bool replace, parallel;
     float strength, color[2][3];
     uint32_t seed;
-    float from_index[3][4]; /**< from the volume's index space */
-    float pixel;            /**< lengths that a pixel spans: parallel: anywhere; else at distance 1 */
-    float aspect;           /**< width / height of the image */
-    int32_t n_levels;
-    vvi_texture_level level[VVI_TEXTURE_LEVELS];
-    float *texels; /**< owned: all levels */
+    float from_index[3][4];  /**< from the volume's index space */
+    float pixel;             /**< lengths that a pixel spans: parallel: anywhere; else at distance 1 */
+    float aspect;            /**< width / height of the image */
+    vvi_image_levels levels; /**< owned */
 } vvi_texture;
 
 /** What kernels need of the texture that an actor has. VV_E_LIMIT, VV_E_MEMORY, VV_E_CANCELLED; then close it too. */
 vv_status vvi_texture_open(vvi_texture *out, const vv_actor *actor, const vv_scene *scene, vv_job *job);
 void vvi_texture_close(vvi_texture *t); /* zeroed is fine */
-
-/**
- * Levels of an image: each half as wide and high as the one before, down to one texel; every texel the mean of the
- * part of the level before that it covers, so all levels have the image's mean.
- */
-vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job *job);
 
 /**
  * The texture on colours of several points at once: texture_kernel.c, built once per instruction set.

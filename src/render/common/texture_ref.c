@@ -94,7 +94,7 @@ static int64_t texel(int64_t i, int64_t n, int wrap)
     return i < n ? i : 2 * n - 1 - i;
 }
 
-static void look_up(double rgba[4], const vvi_texture_level *level, const int wrap[2], double u, double v)
+static void look_up(double rgba[4], const vvi_image_level *level, const int wrap[2], double u, double v)
 {
     const double x = u * level->n[0] - 0.5, y = v * level->n[1] - 0.5;
     for (int c = 0; c < 4; c++)
@@ -126,10 +126,10 @@ static void image_color(double rgba[4], const vvi_texture *levels, const vv_text
         wrap[1] = VV_WRAP_CLAMP;
     }
     const double level = log2(fmax(du * width, dv * height) * w);
-    const double clamped = fmin(fmax(level, 0), levels->n_levels - 1), below = floor(clamped);
+    const double clamped = fmin(fmax(level, 0), levels->levels.n - 1), below = floor(clamped);
     double a[4], b[4];
-    look_up(a, &levels->level[(size_t)below], wrap, u, v);
-    look_up(b, &levels->level[(size_t)ceil(clamped)], wrap, u, v);
+    look_up(a, &levels->levels.level[(size_t)below], wrap, u, v);
+    look_up(b, &levels->levels.level[(size_t)ceil(clamped)], wrap, u, v);
     for (int c = 0; c < 4; c++)
         rgba[c] = a[c] + (clamped - below) * (b[c] - a[c]);
 }

@@ -249,27 +249,28 @@ VV_INLINE texel_pair find_texels(vf u, vi n, int wrap)
 /* Each lane in a level of its own. */
 static __attribute__((noinline)) void look_up(vf rgba[4], const vvi_texture *t, const image_at *p, vi level)
 {
-    enum { ROW = sizeof(vvi_texture_level) / sizeof(float) };
+    enum { ROW = sizeof(vvi_image_level) / sizeof(float) };
     vf row[4], a[4], b[4], c[4], d[4];
-    vf_rows4(row, (const float *)(const void *)t->level, level * vi_set1(ROW));
+    vf_rows4(row, (const float *)(const void *)t->levels.level, level * vi_set1(ROW));
     const vi width = vi_bits(row[0]), first = vi_bits(row[2]);
     const texel_pair x = find_texels(p->u, width, p->wrap_u), y = find_texels(p->v, vi_bits(row[1]), p->wrap_v);
     const vi above = first + y.at[0] * width, below = first + y.at[1] * width;
-    vf_rows4(a, t->texels, vi_shl(above + x.at[0], 2));
-    vf_rows4(b, t->texels, vi_shl(above + x.at[1], 2));
-    vf_rows4(c, t->texels, vi_shl(below + x.at[0], 2));
-    vf_rows4(d, t->texels, vi_shl(below + x.at[1], 2));
+    vf_rows4(a, t->levels.texels, vi_shl(above + x.at[0], 2));
+    vf_rows4(b, t->levels.texels, vi_shl(above + x.at[1], 2));
+    vf_rows4(c, t->levels.texels, vi_shl(below + x.at[0], 2));
+    vf_rows4(d, t->levels.texels, vi_shl(below + x.at[1], 2));
     for (int i = 0; i < 4; i++)
         rgba[i] = vf_lerp(vf_lerp(a[i], b[i], x.weight), vf_lerp(c[i], d[i], x.weight), y.weight);
 }
 
 VV_INLINE void image_color(vf rgba[4], const vvi_texture *t, const vf q[3], vf w, vm m)
 {
-    const vf one = vf_set1(1.0f), last = vf_set1((float)(t->n_levels - 1));
+    const vf one = vf_set1(1.0f), last = vf_set1((float)(t->levels.n - 1));
     image_at p = map_point(t, q);
     p.u = wrapped(p.u, p.wrap_u);
     p.v = wrapped(p.v, p.wrap_v);
-    const vf texels = vf_max(p.du * vf_set1((float)t->level[0].n[0]), p.dv * vf_set1((float)t->level[0].n[1])) * w;
+    const vf texels =
+        vf_max(p.du * vf_set1((float)t->levels.level[0].n[0]), p.dv * vf_set1((float)t->levels.level[0].n[1])) * w;
     const vf level = vf_min(vf_log2(vf_max(texels, one)), last), first = vf_floor(level);
     look_up(rgba, t, &p, vi_trunc(first));
     if (!vm_any(vm_and(m, vf_lt(first, level))))

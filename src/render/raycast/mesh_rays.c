@@ -13,17 +13,19 @@
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index, vv_job *job)
+/* owner: which of the scene's it belongs to, or is. */
+static vv_status open_mesh(vvi_ray_mesh *m, const vv_mesh_actor *actor, size_t owner, const vv_scene *scene,
+                           vv_job *job)
 {
-    const vv_mesh_actor *actor = &scene->mesh_actors[index];
     const vv_actor *look = &actor->look;
     *m = (vvi_ray_mesh){.actor = actor,
-                        .id = (uint32_t)(scene->n_actors + index + 1),
+                        .id = (uint32_t)(scene->n_actors + owner + 1),
                         .gloss = vvi_gloss_of(look->shading_model, look->ambient, look->diffuse, look->specular,
                                               look->shininess, scene->ambient)};
     m->surface = vvi_gfx_surface_of(&m->shown, actor);
     vv_affine shifted = actor->place; /* of positions without the origin */
     shifted.origin = vv_affine_point(actor->place, m->shown.origin);
+    m->to_world = shifted;
     if (!vv_affine_invert(&m->to_mesh, shifted))
         return vv_fail(VV_E_ARGUMENT, "volumes.%s.place: flattens the mesh; give it a scale other than 0", look->id);
     m->translucent = vvi_gfx_is_translucent(&m->surface);
@@ -36,18 +38,24 @@ static vv_status open_mesh(vvi_ray_mesh *m, const vv_scene *scene, size_t index,
 
 vv_status vvi_ray_meshes_open(vvi_ray_meshes *out, const vv_scene *scene, vv_job *job)
 {
-    const size_t bytes = scene->n_mesh_actors * sizeof *out->mesh;
     *out = (vvi_ray_meshes){.scene = scene};
     if (!scene->n_mesh_actors)
         return VV_OK;
+    vv_status st = vvi_mesh_caps_open(&out->caps, scene, job);
+    const size_t n_own = scene->n_mesh_actors, n = n_own + out->caps.n, bytes = n * sizeof *out->mesh;
+    if (st != VV_OK)
+        return st;
     if (!(out->mesh = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH)))
         return vv_fail_memory(bytes);
     vvi_gfx_decode_init(&out->decode);
-    for (size_t i = 0; i < scene->n_mesh_actors; i++) {
-        if (!vv_mesh_get_info(scene->mesh_actors[i].mesh)->n_triangles)
+    out->view = vvi_gfx_view_of(&scene->lens, scene->width, scene->height);
+    for (size_t i = 0; i < n; i++) {
+        const bool own = i < n_own;
+        const vv_mesh_actor *actor = own ? &scene->mesh_actors[i] : &out->caps.cap[i - n_own].actor;
+        if (!vv_mesh_get_info(actor->mesh)->n_triangles)
             continue;
-        const vv_status st = open_mesh(&out->mesh[out->n++], scene, i, job);
-        if (st != VV_OK)
+        if ((st = open_mesh(&out->mesh[out->n++], actor, own ? i : out->caps.cap[i - n_own].owner, scene, job)) !=
+            VV_OK)
             return st;
         out->translucent |= out->mesh[out->n - 1].translucent;
     }
@@ -59,6 +67,7 @@ void vvi_ray_meshes_close(vvi_ray_meshes *meshes)
     for (size_t i = 0; i < meshes->n; i++)
         vvi_cache_release(meshes->mesh[i].tree);
     vvi_free(meshes->mesh);
+    vvi_mesh_caps_close(&meshes->caps);
     *meshes = (vvi_ray_meshes){0};
 }
 
@@ -86,6 +95,24 @@ static void shares_of(double out[3], const vvi_mesh_hit *hit)
     out[2] = (double)hit->v;
 }
 
+/* Before light, with textures as a pixel sees them. */
+static void color_at(double rgba[4], const passage *p, const vvi_mesh_hit *hit, const double share[3])
+{
+    const vvi_ray_mesh *m = p->mesh;
+    const vv_mesh_info *info = m->surface.mesh;
+    double slope[2][3];
+    if (m->surface.textures) {
+        vv_vec3 corner[3];
+        for (size_t k = 0; k < 3; k++) {
+            const float *at = info->positions + 3 * (size_t)info->triangles[3 * (size_t)hit->triangle + k];
+            corner[k] = vv_affine_point(m->to_world, vvi_vec((double)at[0], (double)at[1], (double)at[2]));
+        }
+        vvi_gfx_share_slopes(slope, &p->meshes->view, p->origin, p->direction, corner);
+    }
+    vvi_gfx_color_at(rgba, &m->surface, &p->meshes->decode, hit->triangle, share,
+                     m->surface.textures ? (const double(*)[3])slope : NULL);
+}
+
 static bool take(void *user, const vvi_mesh_hit *hit)
 {
     const passage *p = user;
@@ -98,7 +125,7 @@ static bool take(void *user, const vvi_mesh_hit *hit)
         return true;
     double rgba[4], share[3];
     shares_of(share, hit);
-    vvi_gfx_color_at(rgba, &p->mesh->surface, &p->meshes->decode, hit->triangle, share);
+    color_at(rgba, p, hit, share);
     return p->translucent ? rgba[3] < OPAQUE && rgba[3] > 0 : rgba[3] >= OPAQUE;
 }
 
@@ -142,7 +169,7 @@ static void shade(vvi_mesh_sink *out, size_t i, const passage *p, const vvi_mesh
     double rgba[4], share[3];
     vv_vec3 normal;
     shares_of(share, hit);
-    vvi_gfx_color_at(rgba, surface, &p->meshes->decode, hit->triangle, share);
+    color_at(rgba, p, hit, share);
     const bool known = vvi_gfx_normal_at(&normal, surface->mesh, &surface->place, hit->triangle, share, false);
     normal = !known ? vvi_vec(0, 0, 0) : vvi_dot(normal, to_eye) < 0 ? vvi_scaled(normal, -1) : normal;
     const vvi_light_volume *light = p->meshes->light;

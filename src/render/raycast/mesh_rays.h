@@ -7,6 +7,7 @@
 #include "gfx/lamp.h"
 #include "gfx/mesh_look.h"
 #include "render/common/light_volume.h"
+#include "render/common/mesh_caps.h"
 #include "render/march/rays.h"
 
 /** One mesh of a frame. */
@@ -17,6 +18,7 @@ typedef struct vvi_ray_mesh {
     vv_mesh_info shown;
     vvi_gfx_surface surface; /**< of `shown` */
     vv_affine to_mesh;       /**< from the world to its positions, without their origin */
+    vv_affine to_world;      /**< and back */
     double lo[3], hi[3];     /**< of them */
     bool translucent;
     vvi_gloss gloss;
@@ -24,10 +26,12 @@ typedef struct vvi_ray_mesh {
 
 typedef struct vvi_ray_meshes {
     const vv_scene *scene;
-    vvi_ray_mesh *mesh;
+    vvi_mesh_caps caps;
+    vvi_ray_mesh *mesh; /**< those of the scene, and their caps */
     size_t n;
     bool translucent; /**< some of them is */
     vvi_gfx_decode decode;
+    vvi_gfx_view view;             /**< of the scene's lens */
     const vvi_light_volume *light; /**< NULL: all light arrives everywhere */
 } vvi_ray_meshes;
 

@@ -30,7 +30,7 @@ static bool is_cut(const vv_actor *look, vv_vec3 at)
 static float taken_at(const strewing *s, uint32_t triangle, const double share[3])
 {
     double rgba[4];
-    vvi_gfx_color_at(rgba, &s->mesh->surface, &s->meshes->decode, triangle, share);
+    vvi_gfx_color_at(rgba, &s->mesh->surface, &s->meshes->decode, triangle, share, NULL);
     return (float)(fmin(-log1p(-fmin(fmax(rgba[3], 0), 0.999999)), OPAQUE_DEPTH) / s->side);
 }
 

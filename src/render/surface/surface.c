@@ -194,11 +194,14 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
     s->scene = scene;
     warn_of_samples(scene, job);
     const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
-    const size_t shown_bytes = (scene->n_mesh_actors + 1) * sizeof *s->shown;
     s->volumes = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
-    s->shown = vvi_alloc_zeroed(job, shown_bytes, VVI_MEM_SCRATCH);
-    if (!s->volumes || !s->shown)
-        st = vv_fail_memory(bytes + shown_bytes);
+    if (!s->volumes)
+        st = vv_fail_memory(bytes);
+    else
+        st = vvi_mesh_caps_open(&s->caps, scene, job);
+    const size_t shown_bytes = (scene->n_mesh_actors + s->caps.n + 1) * sizeof *s->shown;
+    if (st == VV_OK && !(s->shown = vvi_alloc_zeroed(job, shown_bytes, VVI_MEM_SCRATCH)))
+        st = vv_fail_memory(shown_bytes);
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
         vvi_surface_volume *v = &s->volumes[s->n_volumes++];
         v->actor = &scene->actors[i];
@@ -222,6 +225,7 @@ void vvi_surface_finish(void *state)
         vvi_cache_release(s->volumes[i].model[1]);
     }
     vvi_free(s->volumes);
+    vvi_mesh_caps_close(&s->caps);
     vvi_free(s->shown);
     vvi_free(s);
 }
@@ -286,6 +290,9 @@ static vv_status draw_shapes(vvi_gfx *gfx, const vvi_surface_state *s)
     vv_status st = VV_OK;
     for (size_t i = 0; i < s->scene->n_mesh_actors && st == VV_OK; i++)
         st = draw_shape(gfx, &s->shown[i], &s->scene->mesh_actors[i], (uint32_t)(s->scene->n_actors + i + 1));
+    for (size_t i = 0; i < s->caps.n && st == VV_OK; i++)
+        st = draw_shape(gfx, &s->shown[s->scene->n_mesh_actors + i], &s->caps.cap[i].actor,
+                        (uint32_t)(s->scene->n_actors + s->caps.cap[i].owner + 1));
     return st;
 }
 

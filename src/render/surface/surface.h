@@ -5,7 +5,7 @@
  */
 #ifndef VVI_RENDER_SURFACE_H
 #define VVI_RENDER_SURFACE_H
-#include "core/status.h"
+#include "render/common/mesh_caps.h"
 #include <volvis/mesh.h>
 #include <volvis/sys/scene.h>
 
@@ -56,7 +56,8 @@ typedef struct vvi_surface_state {
     const vv_scene *scene;
     vvi_surface_volume *volumes; /**< one for each actor */
     size_t n_volumes;
-    vv_mesh_info *shown; /**< of each shape: what is drawn of it */
+    vvi_mesh_caps caps;  /**< where meshes are cut */
+    vv_mesh_info *shown; /**< of each mesh, and of each of their caps: what is drawn of it */
 } vvi_surface_state;
 
 /** The values that make an actor solid; false for labels. */

@@ -180,6 +180,7 @@ enum { N = 67 };
 typedef struct scene {
     float positions[9 * N], normals[9 * N];
     uint8_t colors[12 * N];
+    float values[3 * N];
     uint32_t triangles[3 * N];
     vv_mesh_info mesh;
     vvi_gfx_view view;
@@ -208,11 +209,14 @@ static void make_scene(scene *s, uint64_t seed)
     }
     for (uint64_t i = 0; i < 12 * N; i++)
         s->colors[i] = (uint8_t)test_random(seed, 5000 + i);
+    for (uint64_t i = 0; i < 3 * N; i++) /* some on both sides beyond the ramp, some none */
+        s->values[i] = test_random(seed, 5500 + i) % 9 ? 5e4f + (float)between(seed, 5600 + i, -3, 13) : NAN;
     s->mesh = (vv_mesh_info){.n_vertices = (size_t)3 * N,
                              .n_triangles = N,
                              .origin = {1000, -2000, 3000},
                              .positions = s->positions,
                              .normals = seed % 3 ? s->normals : NULL,
+                             .values = s->values,
                              .colors = seed % 4 ? NULL : s->colors,
                              .triangles = s->triangles};
     vv_lens lens = {.forward = unit_at(seed, 6000), .half_width = 0.4, .half_height = 0.3, .parallel = seed & 1};
@@ -241,6 +245,11 @@ static void make_scene(scene *s, uint64_t seed)
     s->draw = (vvi_gfx_draw){.state = {.view = &s->view, .lights = &s->lights, .cuts = &s->cuts},
                              .surface = {.mesh = &s->mesh, .place = place, .color = {0.7, 0.5, 0.3, 0.9}},
                              .reach = 300};
+    static const double ramp[] = {5e4, 1, 0, 0, 5e4 + 2, 0.2, 0.9, 0, 5e4 + 7, 0, 0.1, 1, 5e4 + 10, 1, 1, 0.5};
+    if (seed % 5 < 2) {
+        s->draw.surface.ramp = ramp;
+        s->draw.surface.n_ramp = 4;
+    }
     place.origin = vvi_sub(s->mesh.origin, lens.eye);
     place.axis[0] = (vv_vec3){1.2, 0.1, 0};
     if (seed % 7 == 0) {

@@ -133,6 +133,49 @@ static void parts_have_all_triangles_in_their_order(void **state)
     refuse(&info, VV_E_ARGUMENT, "name of a part");
 }
 
+static void images_are_there_with_places_on_them(void **state)
+{
+    const uint8_t pixels[8] = {1, 2, 3, 255, 4, 5, 6, 255};
+    vv_mesh_texture texture = {.name = "a.png", .width = 2, .height = 1, .pixels = pixels};
+    float coordinates[10] = {0, 0, 1, 0, 0, 1, 1, 1, 0.5f, 0.5f};
+    uint32_t of[12] = {0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1};
+    vv_mesh_part part = {.n_triangles = 4, .color.a = -1, .texture = 1};
+    vv_mesh *mesh;
+    (void)state;
+    vv_mesh_info info = tetrahedron();
+    info.n_parts = info.n_textures = 1;
+    info.parts = &part;
+    info.textures = &texture;
+    info.coordinates = coordinates;
+    info.n_coordinates = 4;
+    assert_int_equal(vv_mesh_new(&mesh, &info, NULL), VV_OK);
+    const uint32_t checksum = vv_mesh_checksum(mesh);
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    assert_true(m->textures[0].pixels != pixels && m->coordinates != coordinates && !m->coordinate_of);
+    assert_memory_equal(m->textures[0].pixels, pixels, sizeof pixels);
+    vv_mesh_release(mesh);
+    info.n_coordinates = 5;
+    refuse(&info, VV_E_ARGUMENT, "5 texture coordinates were given for 4 vertices");
+    info.coordinate_of = of;
+    assert_int_equal(vv_mesh_new(&mesh, &info, NULL), VV_OK);
+    assert_true(vv_mesh_checksum(mesh) != checksum);
+    vv_mesh_release(mesh);
+    of[11] = 5;
+    refuse(&info, VV_E_ARGUMENT, "triangle 3 names texture coordinate 5, but there are 5");
+    of[11] = 0;
+    coordinates[9] = NAN;
+    refuse(&info, VV_E_ARGUMENT, "texture coordinate 4 is not finite");
+    coordinates[9] = 0;
+    info.coordinates = NULL;
+    refuse(&info, VV_E_ARGUMENT, "has no array of them");
+    info.coordinates = coordinates;
+    texture.wrap[1] = 3;
+    refuse(&info, VV_E_ARGUMENT, "texture 0");
+    texture.wrap[1] = VV_WRAP_CLAMP;
+    part.texture = 2;
+    refuse(&info, VV_E_ARGUMENT, "part 0 has texture 2, but there are 1");
+}
+
 static void a_world_shows_it(void **state)
 {
     vv_mesh *mesh, *again;
@@ -183,6 +226,7 @@ int main(void)
         cmocka_unit_test(a_mesh_of_nothing_is_one),
         cmocka_unit_test(arrays_of_no_mesh_are_refused_with_what_is_wrong),
         cmocka_unit_test(parts_have_all_triangles_in_their_order),
+        cmocka_unit_test(images_are_there_with_places_on_them),
         cmocka_unit_test(a_world_shows_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

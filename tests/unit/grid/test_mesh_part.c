@@ -23,6 +23,37 @@ static void expect_same_vertex(const vv_mesh_info *p, size_t v, const vv_mesh_in
         assert_memory_equal(p->colors + 4 * v, m->colors + 4 * w, 4);
 }
 
+static const float *place_of(const vv_mesh_info *m, size_t corner)
+{
+    return m->coordinates + 2 * (size_t)(m->coordinate_of ? m->coordinate_of : m->triangles)[corner];
+}
+
+static void it_keeps_its_image_and_places_on_it(void **state)
+{
+    (void)state;
+    for (unsigned corners = 0; corners <= TEST_MESH_CORNERS; corners += TEST_MESH_CORNERS) {
+        vv_mesh *mesh = test_mesh_strip(50, TEST_MESH_PARTS | TEST_MESH_TEXTURES | corners), *part, *split;
+        const vv_mesh_info *m = vv_mesh_get_info(mesh);
+        for (size_t i = 0; i < m->n_parts; i++) {
+            assert_int_equal(vvi_mesh_part(&part, mesh, i, NULL), VV_OK);
+            const vv_mesh_info *p = vv_mesh_get_info(part);
+            assert_true(p->textures == m->textures && p->parts[0].texture == m->parts[i].texture);
+            for (size_t k = 0; k < 3 * p->n_triangles; k++)
+                assert_memory_equal(place_of(p, k), place_of(m, 3 * m->parts[i].first_triangle + k), 8);
+            vv_mesh_release(part);
+        }
+        assert_int_equal(vvi_mesh_split_corners(&split, mesh, NULL), VV_OK);
+        const vv_mesh_info *s = vv_mesh_get_info(split);
+        assert_true(!s->coordinate_of && s->n_coordinates == s->n_vertices && (corners != 0) == (split != mesh));
+        for (size_t k = 0; k < 3 * m->n_triangles; k++) {
+            assert_memory_equal(place_of(s, k), place_of(m, k), 8);
+            expect_same_vertex(s, s->triangles[k], m, m->triangles[k]);
+        }
+        vv_mesh_release(split);
+        vv_mesh_release(mesh);
+    }
+}
+
 static void a_part_has_its_triangles_and_the_vertices_of_these(void **state)
 {
     (void)state;
@@ -69,6 +100,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_part_has_its_triangles_and_the_vertices_of_these),
+        cmocka_unit_test(it_keeps_its_image_and_places_on_it),
         cmocka_unit_test(short_memory_is_an_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,14 @@ static bool is(const char *lie, const char *what)
 static vv_mesh_info opened(const char *lie)
 {
     vv_mesh_info mesh = {.n_vertices = 4, .n_triangles = 4, .n_parts = 2, .unit = "mm"};
+    static vv_mesh_texture texture = {.width = 2, .height = 3};
     vvi_text body = {0};
+    mesh.n_textures = 1;
+    mesh.textures = &texture;
+    if (is(lie, "image"))
+        texture.width = 0;
+    if (is(lie, "wrap"))
+        texture.wrap[1] = 3;
     if (is(lie, "vertices"))
         mesh.n_vertices = (size_t)1 << 40;
     if (is(lie, "negative"))
@@ -30,7 +37,7 @@ static vv_mesh_info opened(const char *lie)
     if (is(lie, "unit"))
         memset(mesh.unit, 'x', sizeof mesh.unit);
     vvi_wire_put_text(&body, is(lie, "format") ? "none" : "ply");
-    vvi_wire_put_mesh(&body, &mesh, is(lie, "with") ? 8 : VVI_MESH_NORMALS);
+    vvi_wire_put_mesh(&body, &mesh, is(lie, "with") ? VVI_MESH_ALL + 1 : VVI_MESH_NORMALS);
     if (is(lie, "rest"))
         vvi_wire_put_number(&body, 1);
     vvi_wire_send(VVI_IMPORT_SOCKET, is(lie, "kind") ? VVI_WIRE_OPENED : VVI_WIRE_OPENED_MESH, &body, -1);
@@ -65,6 +72,8 @@ static void fill(const char *lie, const vv_mesh_info *mesh)
         memset(parts[0].name, 'x', sizeof parts[0].name);
     if (is(lie, "color"))
         parts[0].color.g = NAN;
+    if (is(lie, "texture"))
+        parts[0].texture = 2;
     if (!is(lie, "held"))
         munmap(at, r.end);
 }

@@ -107,9 +107,9 @@ static void every_format_reads_the_same_safely(void **state)
 
 static void what_it_says_of_a_mesh_is_checked(void **state)
 {
-    static const char *const lies[] = {"vertices", "negative", "space", "unit",  "format", "with",
-                                       "rest",     "kind",     "index", "nan",   "normal", "gap",
-                                       "long",     "short",    "name",  "color", "held",   "done"};
+    static const char *const lies[] = {"vertices", "negative", "space", "unit",   "format", "with", "rest",
+                                       "kind",     "index",    "nan",   "normal", "gap",    "long", "short",
+                                       "name",     "color",    "held",  "done",   "image",  "wrap", "texture"};
     vv_mesh *mesh = NULL;
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
         vv_job *job = safe_job(IMPORT_MESH_LIAR);

@@ -6,10 +6,19 @@
 #include "meshes.h"
 #include <volvis/sys/registry.h>
 
-enum { NORMALS = TEST_MESH_NORMALS, VALUES = TEST_MESH_VALUES, COLORS = TEST_MESH_COLORS, PARTS = TEST_MESH_PARTS };
+enum {
+    NORMALS = TEST_MESH_NORMALS,
+    VALUES = TEST_MESH_VALUES,
+    COLORS = TEST_MESH_COLORS,
+    PARTS = TEST_MESH_PARTS,
+    TEXTURES = TEST_MESH_PARTS | TEST_MESH_TEXTURES
+};
 
 static const size_t sizes[] = {1, 2, 7, 1021, 4099};
-static const unsigned contents[] = {0, NORMALS, VALUES, COLORS, PARTS, NORMALS | VALUES | COLORS | PARTS};
+static const unsigned contents[] = {0,        NORMALS,
+                                    VALUES,   COLORS,
+                                    PARTS,    NORMALS | VALUES | COLORS | PARTS,
+                                    TEXTURES, TEXTURES | NORMALS | VALUES | COLORS};
 
 typedef struct expectation {
     const vv_mesh_format *format;
@@ -59,6 +68,34 @@ static void check_parts(const expectation *e)
     }
 }
 
+static const float *coordinate(const vv_mesh_info *m, size_t corner)
+{
+    return m->coordinates + 2 * (size_t)(m->coordinate_of ? m->coordinate_of : m->triangles)[corner];
+}
+
+/* Of triangles that have an image: where each corner lies on it, and its pixels. */
+static void check_textures(const expectation *e)
+{
+    if (!e->want->n_textures || !(e->format->holds & VV_MESH_HOLDS_TEXTURES))
+        return;
+    assert_true(e->got->coordinates && e->got->n_textures == e->want->n_textures);
+    for (size_t i = 0; i < e->want->n_parts; i++) {
+        const vv_mesh_part *got = &e->got->parts[i], *want = &e->want->parts[i];
+        assert_int_equal(got->texture != 0, want->texture != 0);
+        if (!want->texture)
+            continue;
+        const vv_mesh_texture *a = &e->got->textures[got->texture - 1], *b = &e->want->textures[want->texture - 1];
+        assert_true(a->width == b->width && a->height == b->height && a->wrap[0] == b->wrap[0]);
+        for (size_t p = 0; p < (size_t)a->width * (size_t)a->height; p++) {
+            assert_int_equal(a->pixels[4 * p + 3], b->pixels[4 * p + 3]);
+            assert_true(b->pixels[4 * p + 3] == 0 || memcmp(a->pixels + 4 * p, b->pixels + 4 * p, 4) == 0);
+        }
+        for (size_t k = 3 * want->first_triangle; k < 3 * (want->first_triangle + want->n_triangles); k++)
+            for (int c = 0; c < 2; c++)
+                assert_true(fabsf(coordinate(e->got, k)[c] - coordinate(e->want, k)[c]) < 1e-6f);
+    }
+}
+
 static bool is(const expectation *e, const char *format, const char *encoding)
 {
     return strcmp(e->format->name, format) == 0 && strcmp(e->encoding, encoding) == 0;
@@ -74,6 +111,7 @@ static void check(const expectation *e)
     if (!stl) {
         check_vertices(e);
         check_parts(e);
+        check_textures(e);
     } else if (is(e, "stl", "ascii") && e->want->n_parts) {
         assert_int_equal(e->got->n_parts, e->want->n_parts);
     }

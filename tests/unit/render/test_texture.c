@@ -53,7 +53,7 @@ static vvi_texture texture_of(int kind, const vv_image *image)
     }
     if (image) {
         t.aspect = (float)image->width / (float)image->height;
-        assert_int_equal(vvi_texture_build_levels(&t, image, NULL), VV_OK);
+        assert_int_equal(vvi_image_levels_build(&t.levels, image, NULL), VV_OK);
     }
     return t;
 }
@@ -93,8 +93,8 @@ static void every_level_has_the_mean_of_the_image(void **state)
         double mean[4] = {0};
         for (size_t i = 0; i < 4 * n; i++)
             mean[i % 4] += (double)image->rgba[i] / (double)n;
-        for (int32_t l = 0; l < t.n_levels; l++) {
-            const vvi_texture_level *level = &t.level[l];
+        for (int32_t l = 0; l < t.levels.n; l++) {
+            const vvi_image_level *level = &t.levels.level[l];
             const size_t texels = (size_t)level->n[0] * (size_t)level->n[1];
             double sum[4] = {0};
             for (size_t i = 0; i < 4 * texels; i++)
@@ -102,7 +102,7 @@ static void every_level_has_the_mean_of_the_image(void **state)
             for (int c = 0; c < 4; c++)
                 assert_true(fabs(sum[c] - mean[c]) < 1e-6);
         }
-        assert_true(t.level[t.n_levels - 1].n[0] == 1 && t.level[t.n_levels - 1].n[1] == 1);
+        assert_true(t.levels.level[t.levels.n - 1].n[0] == 1 && t.levels.level[t.levels.n - 1].n[1] == 1);
         vvi_texture_close(&t);
         vv_image_release(image);
     }
@@ -112,8 +112,8 @@ static void an_image_of_too_many_texels_is_refused(void **state)
 {
     (void)state;
     const vv_image image = {.width = 32768, .height = 32768};
-    vvi_texture t = {0};
-    assert_int_equal(vvi_texture_build_levels(&t, &image, NULL), VV_E_LIMIT);
+    vvi_image_levels levels;
+    assert_int_equal(vvi_image_levels_build(&levels, &image, NULL), VV_E_LIMIT);
     assert_non_null(strstr(vv_error_last()->message, "32768 x 32768"));
 }
 
@@ -125,10 +125,10 @@ static void five_texels_halve_to_two_with_half_of_the_middle_one_each(void **sta
     for (int i = 0; i < 5; i++)
         image->rgba[4 * i] = values[i];
     vvi_texture t = texture_of(VV_TEXTURE_IMAGE, image);
-    assert_int_equal(t.n_levels, 3);
-    assert_true(near_to(t.level[1].rgba[0], (1 + 2 + 4 / 2.0) / 2.5, 1e-6));
-    assert_true(near_to(t.level[1].rgba[4], (4 / 2.0 + 8 + 16) / 2.5, 1e-6));
-    assert_true(near_to(t.level[2].rgba[0], 31 / 5.0, 1e-6));
+    assert_int_equal(t.levels.n, 3);
+    assert_true(near_to(t.levels.level[1].rgba[0], (1 + 2 + 4 / 2.0) / 2.5, 1e-6));
+    assert_true(near_to(t.levels.level[1].rgba[4], (4 / 2.0 + 8 + 16) / 2.5, 1e-6));
+    assert_true(near_to(t.levels.level[2].rgba[0], 31 / 5.0, 1e-6));
     vvi_texture_close(&t);
     vv_image_release(image);
 }

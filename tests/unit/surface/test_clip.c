@@ -11,6 +11,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -232,6 +233,89 @@ static void loops_are_filled_exactly(void **state)
     }
 }
 
+/* The mesh with triangles that share no vertices (apart), are inside out (turned), are of two parts. */
+static vv_mesh *altered(const vv_mesh *mesh, bool apart, bool turned, bool parts)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const size_t n = m->n_triangles;
+    float *positions = malloc(9 * n * sizeof *positions);
+    uint32_t *triangles = malloc(3 * n * sizeof *triangles);
+    assert_true(positions && triangles);
+    for (size_t i = 0; i < 3 * n; i++) {
+        const size_t from = turned ? 3 * n - 1 - i : i;
+        triangles[i] = apart ? (uint32_t)i : m->triangles[from];
+        for (size_t a = 0; a < 3 && apart; a++)
+            positions[3 * i + a] = m->positions[3 * (size_t)m->triangles[from] + a];
+    }
+    vv_mesh_part part[2] = {{.color.a = -1, .n_triangles = n / 3}, {.color.a = -1, .n_triangles = n - n / 3}};
+    part[1].first_triangle = n / 3;
+    vv_mesh_info info = {.n_vertices = apart ? 3 * n : m->n_vertices,
+                         .n_triangles = n,
+                         .positions = apart ? positions : m->positions,
+                         .triangles = triangles,
+                         .origin = m->origin,
+                         .n_parts = parts ? 2 : 0,
+                         .parts = part};
+    vv_mesh *out;
+    assert_int_equal(vv_mesh_new(&out, &info, NULL), VV_OK);
+    free(positions);
+    free(triangles);
+    return out;
+}
+
+/* Triangles of a section face the cut-off side, in its plane. */
+static double section_area(const vv_mesh *mesh, const vv_plane *plane, size_t *n_gaps)
+{
+    vv_mesh *face;
+    double area = 0;
+    assert_int_equal(vvi_mesh_section(&face, n_gaps, mesh, plane, NULL), VV_OK);
+    for (size_t t = 0; face && t < vv_mesh_get_info(face)->n_triangles; t++) {
+        vv_vec3 p[3];
+        for (size_t k = 0; k < 3; k++) {
+            p[k] = test_mesh_vertex(face, vv_mesh_get_info(face)->triangles[3 * t + k]);
+            assert_true(fabs(vvi_dot(p[k], plane->normal) - plane->offset) < 1e-5);
+        }
+        area -= vvi_dot(vvi_cross(vvi_sub(p[1], p[0]), vvi_sub(p[2], p[0])), plane->normal) / 2;
+    }
+    vv_mesh_release(face);
+    return area;
+}
+
+static void a_section_is_the_face_of_a_cut_however_the_mesh_is_held(void **state)
+{
+    vv_mesh *ball_mesh = surface_of(ball, 51, 12), *ring = surface_of(torus, 61, 13);
+    const double inner = 8 - sqrt(16 - .01), outer = 8 + sqrt(16 - .01);
+    size_t n_gaps;
+    (void)state;
+    for (int way = 0; way < 8; way++) {
+        vv_mesh *m = altered(ball_mesh, way & 1, way & 2, way & 4), *r = altered(ring, way & 1, way & 2, way & 4);
+        for (int side = -1; side <= 1; side += 2) {
+            const vv_plane low = {{0.6 * side, 0.8 * side, 0}, 6.0 * side}, flat = {{0, 0, side}, .1 * side};
+            assert_share(section_area(m, &low, &n_gaps), M_PI * 64, 5e-3);
+            assert_int_equal(n_gaps, 0);
+            assert_share(section_area(r, &flat, &n_gaps), M_PI * (outer * outer - inner * inner), 5e-3);
+            assert_int_equal(n_gaps, 0);
+        }
+        vv_mesh_release(m);
+        vv_mesh_release(r);
+    }
+    assert_true(section_area(ball_mesh, &(vv_plane){{1, 0, 0}, 11}, &n_gaps) == 0 && n_gaps == 0);
+    assert_true(section_area(ball_mesh, &(vv_plane){{1, 0, 0}, -11}, &n_gaps) == 0 && n_gaps == 0);
+    vv_mesh_release(ball_mesh);
+    vv_mesh_release(ring);
+}
+
+static void a_section_of_an_open_mesh_is_open_there(void **state)
+{
+    vv_mesh *whole = surface_of(ball, 51, 12), *bowl = clipped(whole, (vv_vec3){0, 0, -1}, -5, false);
+    size_t n_gaps;
+    (void)state;
+    assert_true(section_area(bowl, &(vv_plane){{0, 0, 1}, 0}, &n_gaps) > 300 && n_gaps == 0); /* below the rim */
+    assert_true(section_area(bowl, &(vv_plane){{1, 0, 0}, 0}, &n_gaps) == 0 && n_gaps == 1);
+    vv_mesh_release(bowl);
+    vv_mesh_release(whole);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +325,8 @@ int main(void)
         cmocka_unit_test(a_cap_lies_flat_where_samples_equal_the_value),
         cmocka_unit_test(both_sides_of_noise_are_closed_and_add_up),
         cmocka_unit_test(what_no_plane_meets_stays_or_goes),
+        cmocka_unit_test(a_section_is_the_face_of_a_cut_however_the_mesh_is_held),
+        cmocka_unit_test(a_section_of_an_open_mesh_is_open_there),
     };
     return cmocka_run_group_tests_name("surface/clip", tests, NULL, NULL);
 }

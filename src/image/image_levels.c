@@ -1,7 +1,6 @@
-/* Opening a texture, and the pyramid of its image. */
+#include "image/image_levels.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/texture.h"
 #include <math.h>
 #include <string.h>
 
@@ -31,7 +30,7 @@ static void shrink_line(float *to, int32_t n_to, const float *from, int32_t n_fr
 }
 
 /* Along x into scratch, then along y. */
-static vv_status shrink(float *to, const vvi_texture_level *small, const vvi_texture_level *large, float *scratch,
+static vv_status shrink(float *to, const vvi_image_level *small, const vvi_image_level *large, float *scratch,
                         vv_job *job)
 {
     const size_t row = (size_t)small->n[0] * 4;
@@ -48,14 +47,14 @@ static vv_status shrink(float *to, const vvi_texture_level *small, const vvi_tex
 }
 
 /* Sizes of all levels, and how many floats they have together. */
-static vv_status find_sizes(vvi_texture *t, size_t *floats_out, const vv_image *image)
+static vv_status find_sizes(vvi_image_levels *t, size_t *floats_out, const vv_image *image)
 {
     int32_t n[2] = {image->width, image->height};
     *floats_out = 0;
-    for (t->n_levels = 0; t->n_levels < VVI_TEXTURE_LEVELS;) {
+    for (t->n = 0; t->n < VVI_IMAGE_LEVELS;) {
         size_t floats;
-        t->level[t->n_levels].first = (int32_t)(*floats_out / 4);
-        memcpy(t->level[t->n_levels++].n, n, sizeof n);
+        t->level[t->n].first = (int32_t)(*floats_out / 4);
+        memcpy(t->level[t->n++].n, n, sizeof n);
         const vv_status st = vvi_mul3_size(&floats, (size_t)n[0], (size_t)n[1], 4 * sizeof(float));
         if (st != VV_OK)
             return st;
@@ -72,9 +71,10 @@ static vv_status find_sizes(vvi_texture *t, size_t *floats_out, const vv_image *
     return VV_OK;
 }
 
-vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job *job)
+vv_status vvi_image_levels_build(vvi_image_levels *t, const vv_image *image, vv_job *job)
 {
     size_t floats;
+    *t = (vvi_image_levels){0};
     vv_status st = find_sizes(t, &floats, image);
     if (st != VV_OK)
         return st;
@@ -89,7 +89,7 @@ vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job
     memcpy(t->texels, image->rgba, whole * sizeof *t->texels);
     float *next = t->texels + whole;
     t->level[0].rgba = t->texels;
-    for (int32_t i = 1; i < t->n_levels && st == VV_OK; i++) {
+    for (int32_t i = 1; i < t->n && st == VV_OK; i++) {
         t->level[i].rgba = next;
         st = shrink(next, &t->level[i], &t->level[i - 1], scratch, job);
         next += (size_t)t->level[i].n[0] * (size_t)t->level[i].n[1] * 4;
@@ -98,45 +98,8 @@ vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job
     return st;
 }
 
-/* The most lengths of the texture in one of the World. */
-static double most_per_length(const vv_affine *m)
+void vvi_image_levels_free(vvi_image_levels *levels)
 {
-    const vv_vec3 *a = m->axis;
-    const double x = a[0].x * a[0].x + a[1].x * a[1].x + a[2].x * a[2].x;
-    const double y = a[0].y * a[0].y + a[1].y * a[1].y + a[2].y * a[2].y;
-    const double z = a[0].z * a[0].z + a[1].z * a[1].z + a[2].z * a[2].z;
-    return sqrt(fmax(x, fmax(y, z)));
-}
-
-vv_status vvi_texture_open(vvi_texture *out, const vv_actor *actor, const vv_scene *scene, vv_job *job)
-{
-    const vv_texture *from = &actor->texture;
-    const vv_affine m = vv_affine_compose(from->from_world, actor->index_to_world);
-    const double rows[3][4] = {{m.axis[0].x, m.axis[1].x, m.axis[2].x, m.origin.x},
-                               {m.axis[0].y, m.axis[1].y, m.axis[2].y, m.origin.y},
-                               {m.axis[0].z, m.axis[1].z, m.axis[2].z, m.origin.z}};
-    *out = (vvi_texture){.kind = from->kind,
-                         .mapping = from->mapping,
-                         .wrap = from->wrap,
-                         .replace = from->apply == VV_APPLY_REPLACE,
-                         .parallel = scene->lens.parallel,
-                         .strength = (float)from->strength,
-                         .seed = from->seed};
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 4; b++)
-            out->from_index[a][b] = (float)rows[a][b];
-    for (int c = 0; c < 6; c++)
-        out->color[c / 3][c % 3] = (float)from->color[c / 3][c % 3];
-    out->pixel = (float)(2 * scene->lens.half_height / scene->height * most_per_length(&from->from_world));
-    if (!from->image)
-        return VV_OK;
-    out->aspect = (float)from->image->width / (float)from->image->height;
-    const vv_status st = vvi_texture_build_levels(out, from->image, job);
-    return st == VV_OK ? VV_OK : vv_fail_in(st, "volumes.%s.texture", actor->id);
-}
-
-void vvi_texture_close(vvi_texture *t)
-{
-    vvi_free(t->texels);
-    t->texels = NULL;
+    vvi_free(levels->texels);
+    *levels = (vvi_image_levels){0};
 }
