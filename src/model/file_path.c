@@ -119,7 +119,12 @@ char *vvi_path_to_folder(const char *folder, const char *path)
         const char *rest = below(real, path);
         return vvi_strdup(rest ? rest : path);
     }
-    if (!real_folder(data, path))
+    char *own = vvi_folder_of(path);
+    if (!own)
+        return NULL;
+    const bool is_there = realpath(own, data) != NULL;
+    free(own);
+    if (!is_there)
         return vvi_strdup(path);
     char *whole = steps("/", data, base_name(path)); /* without its first slash */
     if (folder[0] != '/' || !whole) {

@@ -1,4 +1,5 @@
 #include "render/recipe.h"
+#include "core/memory.h"
 #include "core/text.h"
 #include "model/file_path.h"
 #include <inttypes.h>
@@ -136,7 +137,7 @@ static void list_checksums(vvi_text *out, const vv_world *world)
 
 static bool put(vv_text *text, size_t *n, const char *key, const char *value)
 {
-    text[*n] = (vv_text){strdup(key), strdup(value ? value : "")};
+    text[*n] = (vv_text){vvi_strdup(key), vvi_strdup(value ? value : "")};
     (*n)++;
     return text[*n - 1].key && text[*n - 1].value;
 }
@@ -146,17 +147,18 @@ vv_status vvi_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, c
 {
     enum { MOST = 8 };
     char software[32], seed[32], bits[16];
-    char *scene = NULL, *folder = strcmp(path, "-") == 0 ? NULL : vvi_folder_of(path);
+    const bool to_stream = strcmp(path, "-") == 0;
+    char *scene = NULL, *folder = to_stream ? NULL : vvi_folder_of(path);
     vvi_text data = {0};
-    vv_text *text = calloc(MOST, sizeof *text);
+    vv_text *text = vvi_calloc(MOST, sizeof *text);
     size_t n = 0;
-    vv_status st = vv_scene_print(&scene, fixed, folder);
+    vv_status st = text && (folder || to_stream) ? vv_scene_print(&scene, fixed, folder) : vv_fail_memory(strlen(path));
     list_checksums(&data, fixed);
     snprintf(software, sizeof software, "VolVis %s", vv_version());
     snprintf(seed, sizeof seed, "%" PRId64, fixed->seed);
     snprintf(bits, sizeof bits, "%d", recipe->bits);
     if (st == VV_OK &&
-        !(text && put(text, &n, "Software", software) && put(text, &n, VVI_KEY_VERSION, vv_version()) &&
+        !(!data.bad && put(text, &n, "Software", software) && put(text, &n, VVI_KEY_VERSION, vv_version()) &&
           put(text, &n, VVI_KEY_VIEW, recipe->view) && put(text, &n, VVI_KEY_SEED, seed) &&
           (recipe->bits == 0 || put(text, &n, VVI_KEY_BITS, bits)) && put(text, &n, VVI_KEY_RAYS, recipe->rays) &&
           put(text, &n, VVI_KEY_DATA, data.s) && put(text, &n, VVI_KEY_SCENE, scene)))
