@@ -70,6 +70,9 @@ vv_status vvi_request_make_world(vv_world **out, const vvi_request *request, con
 void vvi_request_free_id(char out[VVI_REQUEST_ID], const vv_world *world, const char *wanted);
 /** An error of that dataset, which nobody has heard of, as one of what was asked, in the words of a page. */
 vv_status vvi_request_fail_made(const vv_operation *operation, const char *id, vv_status status);
+/** A sentence in the words of a page: options of a class, as command lines have them, are its controls, but in
+ * `commands`. */
+void vvi_request_words(vvi_text *out, const char *text, const vv_class *cls);
 /** What the job was told of its work, for whoever asked. */
 void vvi_request_take_notes(vvi_request *request, const vv_job *job);
 /** Where a page wants a file, as the request's path: a name that may be new in a folder below the root, and not among

@@ -1,5 +1,7 @@
 /* What was done, as command lines that do it again: the operations that made the data, then the picture. */
 #include "core/job.h"
+#include "core/memory.h"
+#include "measuring/measuring.h"
 #include "model/context.h"
 #include "model/merge.h"
 #include "run/made.h"
@@ -143,6 +145,24 @@ static bool compare(void *user, const char *path, const vv_property *row, const 
     return true;
 }
 
+/* Measurements that the picture draws: no options say them. */
+static bool draws_measurements(const vvi_request *r)
+{
+    const vv_collection *all = r->world->measurements;
+    char *path = vvi_asprintf("views.%s.decorations.measurements", r->view), *drawn = NULL;
+    bool some = false;
+    for (size_t i = 0; i < all->n; i++) {
+        const vv_measurement *m = vvi_measurement_nth(r->world, i);
+        some |= m->visible && ((m->points && m->points->n >= 3) || m->box || vvi_measurement_has_region(m) ||
+                               vv_object_is_set(&m->base, "seed"));
+    }
+    if (some && path && vv_path_get(&drawn, &r->world->base, path) == VV_OK)
+        some = strcmp(drawn, "false") != 0;
+    free(drawn);
+    free(path);
+    return some;
+}
+
 /* The dataset that all volumes show; NULL: there are several, or none. */
 static const char *only_shown(const vv_world *world)
 {
@@ -198,7 +218,7 @@ static vv_status run_command(vvi_task *task, vv_job *job)
     const vv_dataset *dataset;
     vvi_text text = {0};
     vv_status st = vvi_command_behind(&dataset, &id, r->world, job);
-    bool beyond = st == VV_E_NOT_FOUND;
+    bool beyond = st == VV_E_NOT_FOUND || (st == VV_OK && draws_measurements(r));
     st = beyond ? VV_OK : st;
     if (!beyond && st == VV_OK && (st = vvi_command_making(&text, r->world, id, job)) == VV_OK)
         st = put_picture(&text, &beyond, r, id, job);

@@ -176,8 +176,7 @@ static size_t put_label(vvi_text *out, const char *text, const vv_class *cls)
     return 0;
 }
 
-/* Options of the command line are controls of the page, but in `commands`. */
-static void put_sentence(vvi_text *out, const char *text, const vv_class *cls)
+void vvi_request_words(vvi_text *out, const char *text, const vv_class *cls)
 {
     bool quoted = false;
     while (*text) {
@@ -205,7 +204,7 @@ vv_status vvi_request_fail_made(const vv_operation *operation, const char *id, v
         text += strlen(error.where) + strspn(text + strlen(error.where), ": ");
     const bool named = strchr(inside + (*inside == '.'), '.') != NULL; /* "parameters" alone says nothing */
     vvi_text sentence = {0};
-    put_sentence(&sentence, text, operation->params);
+    vvi_request_words(&sentence, text, operation->params);
     st = vv_fail_at(st, NULL, named ? inside + 1 : NULL, "%s", sentence.s ? sentence.s : text);
     vvi_text_free(&sentence);
     vvi_error_copy_free(&error);

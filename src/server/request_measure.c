@@ -63,6 +63,31 @@ static vv_status open_all(vvi_measured_all *s, vv_object **question, const vvi_r
     return st == VV_OK ? open_beside(&s->values, &s->inputs.values, question, "values", r, inputs, job) : st;
 }
 
+/* As the page has it: options of the verb are properties of the question, or of its region. */
+static void put_words(vvi_text *out, const char *text)
+{
+    vvi_text half = {0};
+    vvi_request_words(&half, text, &vvi_measurement_class);
+    vvi_request_words(out, half.s ? half.s : text, &vvi_measured_region_class);
+    out->bad |= half.bad;
+    vvi_text_free(&half);
+}
+
+static vv_status reword(vv_status st)
+{
+    vvi_error_copy error;
+    vvi_text text = {0};
+    const char *file = vv_error_last()->file;
+    if (st == VV_OK || st == VV_E_CANCELLED || file)
+        return st;
+    vvi_error_take(&error);
+    put_words(&text, error.message);
+    st = vv_fail_at(st, NULL, error.where, "%s", text.s ? text.s : error.message);
+    vvi_text_free(&text);
+    vvi_error_copy_free(&error);
+    return st;
+}
+
 /* Answer ----------------------------------------------------------------------------------------------------------- */
 
 /* As a file of plots has it; null where nothing is to be plotted. */
@@ -95,8 +120,12 @@ static vv_status put_answer(vvi_result *out, const vv_answer *answer, bool plott
     vvi_answer_add_json(out, answer);
     vvi_result_close(out, '}');
     vvi_result_open(out, "notes", '[');
-    for (size_t i = 0; vv_answer_note(answer, i); i++)
-        vvi_result_string(out, NULL, vv_answer_note(answer, i));
+    for (size_t i = 0; vv_answer_note(answer, i); i++) {
+        vvi_text note = {0};
+        put_words(&note, vv_answer_note(answer, i));
+        vvi_result_string(out, NULL, note.s ? note.s : "");
+        vvi_text_free(&note);
+    }
     vvi_result_close(out, ']');
     vvi_result_raw(out, "figures", figures);
     if (plotted)
@@ -129,7 +158,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     vv_answer_release(answer);
     vvi_measured_close(&s);
     json_decref(inputs);
-    return st;
+    return reword(st);
 }
 
 /* Question --------------------------------------------------------------------------------------------------------- */

@@ -348,6 +348,62 @@ async def page_picture(page, server, name):
     return pixels_of(io.BytesIO(body))
 
 
+async def check_picture(page, server, what):
+    """The line of the view that the page saves, to the pixel; or of the scene, where that is saved first."""
+    lines = (await page.ask("command"))["text"]
+    if "#" in lines:
+        await page.ask("save", path=os.path.abspath("scene.vv.json"), replace=True)
+    wanted = await page_picture(page, server, "view")
+    done = run_lines(lines)
+    assert (done.returncode == 0) == (wanted is not None), (what, lines, done.stderr)
+    if wanted is None:
+        return lines
+    found = pixels_of("lines/picture.png")
+    assert found.shape == wanted.shape, (what, lines, found.shape, wanted.shape)
+    assert np.array_equal(found, wanted), (what, lines, int(np.abs(found - wanted).max()), int((found != wanted).any(axis=2).sum()))
+    return lines
+
+
+def test_lines_of_pictures_with_measurements_series_several_volumes_and_meshes():
+    write_ball("ball.nrrd", 24, spacing=(1, 1.5, 2))
+    write_nrrd("ramp.nrrd", (24, 24, 24), lambda x, y, z: 10 * x)
+    write_nifti("t.nii", 3)
+
+    async def measured(page, server):
+        await page.ask("edit", edits=[{"op": "add", "path": "measurements", "id": "length", "value": {"what": "distance", "points": [[0, 0, 0], [20, 20, 20]], "figures": [{"name": "distance", "value": 50, "unit": "mm"}]}}])
+        says(await check_picture(page, server, "measured"), "scene.vv.json")
+        await page.edit(("set", "measurements.length.visible", False))
+        says(await check_picture(page, server, "hidden"), "volvis render 'ball.nrrd'")
+
+    async def series(page, server):
+        await page.edit(("set", "volumes.t.frame", 2))
+        await check_picture(page, server, "frame")
+        await page.ask("run", operation="gaussian", dataset="t", parameters={"sigma": "1vox"})
+        await check_picture(page, server, "frame of what is made")
+
+    async def several(page, server):
+        await check_picture(page, server, "two volumes")
+        ids = list(page.world["world"]["volumes"])
+        await page.edit(("remove", f"volumes.{ids[1]}"))
+        await check_picture(page, server, "one of two")
+
+    async def mesh(page, server):
+        first = (await page.ask("run", operation="isosurface", dataset="t", parameters={"iso": [40.5]}))["dataset"]
+        await check_picture(page, server, "a mesh")
+        await page.ask("run", operation="smooth", dataset=first, parameters={})
+        await check_picture(page, server, "a mesh of a mesh")
+        await page.edit(("set", "cut_planes", [{"normal": [1, 0, 0], "offset": 80}]))
+        await check_picture(page, server, "a cut mesh")
+
+    for act, files in ((measured, ("ball.nrrd",)), (series, ("t.nii",)), (several, ("ball.nrrd", "ramp.nrrd")), (mesh, ("t.nii",))):
+        async def work():
+            async with Page(server, 96, 64) as page:
+                await page.resting()
+                await act(page, server)
+        with Server(*files) as server:
+            run(work())
+
+
 def test_lines_of_pictures_are_the_pictures():
     write_ball("ball.nrrd", 24, spacing=(1, 1.5, 2))
     write_labels()
@@ -365,19 +421,6 @@ def test_lines_of_pictures_are_the_pictures():
     def words(path, page, source):
         return path.replace("{id}", source).replace("{view}", next(iter(page.world["world"]["views"])))
 
-    async def check(page, server, what):
-        lines = (await page.ask("command"))["text"]
-        if "#" in lines:
-            await page.ask("save", path=os.path.abspath("scene.vv.json"), replace=True)
-        wanted = await page_picture(page, server, "view")
-        done = run_lines(lines)
-        assert (done.returncode == 0) == (wanted is not None), (what, lines, done.stderr)
-        if wanted is None:
-            return
-        found = pixels_of("lines/picture.png")
-        assert found.shape == wanted.shape, (what, lines, found.shape, wanted.shape)
-        assert np.array_equal(found, wanted), (what, lines, int(np.abs(found - wanted).max()), int((found != wanted).any(axis=2).sum()))
-
     for file in ("ball.nrrd", "organs.seg.nrrd", "cells.nrrd"):
         async def work():
             async with Page(server, 96, 64) as page:
@@ -387,15 +430,15 @@ def test_lines_of_pictures_are_the_pictures():
                 for what, edits in looks.items():
                     answer = await page.answer("edit", edits=[dict(zip(("op", "path", "value"), (op, words(path, page, source), value))) for op, path, value in edits]) if edits else {"ok": True}
                     assert answer["ok"], (what, answer)
-                    await check(page, server, (file, what))
+                    await check_picture(page, server, (file, what))
                     if edits:
                         await page.ask("undo")
                 for name in methods:
                     await page.edit(("set", words("views.{view}.render.method", page, source), name))
-                    await check(page, server, (file, name))
+                    await check_picture(page, server, (file, name))
                 await page.edit(("unset", words("views.{view}.render.method", page, source)))
                 await page.ask("run", operation="gaussian", dataset=next(iter(page.world["world"]["datasets"])), parameters={"sigma": "1vox"}) if file == "ball.nrrd" else None
-                await check(page, server, (file, "made"))
+                await check_picture(page, server, (file, "made"))
         with Server(file) as server:
             run(work())
 

@@ -174,8 +174,30 @@ def test_no_file_is_read_that_is_not_of_the_world():
         says(await page.refused("measure", question={"what": "wolume"}), "volume")
         says(await page.refused("measure", question="area"), "needs a question")
         says(await page.refused("measure"), "needs a question")
-        says(await page.refused("measure", question={"what": "area", "seed": [900, 0, 0]}), "outside")
+        said = await page.refused("measure", question={"what": "area", "seed": [900, 0, 0]})
+        says(said, "Seed: 900,0,0 is outside")
+        assert "--" not in said, said
     with_page(work, "ball.nrrd")
+
+
+def test_what_changes_nothing_is_refused():
+    prepare()
+
+    async def labels(page):
+        ball = {"kind": "ellipsoid", "center": [4, 4, 4], "size": [5, 5, 5]}
+        for name, value in (("region", ball), ("seed", [4, 4, 4]), ("iso", 2), ("label", 1), ("points", [[1, 1, 1]]), ("bins", 4), ("closed", True)):
+            says(await page.refused("measure", question={"what": "labels", name: value}), f"'{name}' has no effect on the labels of labels, a volume: leave it out")
+        says(await page.refused("measure", question={"what": "labels"}, mask="labels"), "'mask' has no effect")
+        part = await page.ask("measure", question={"what": "labels", "box": "0..4,..,..", "space": "world"})
+        assert sum(row["count"] for row in part["answer"]["labels"]) < 5 * 10 * 9
+        says(await page.refused("measure", question={"what": "distance", "points": [[1, 1, 1], [2, 2, 2]], "iso": 1}), "'iso' has no effect on the distance")
+        says(await page.refused("measure", question={"what": "profile", "points": [[1, 1, 1], [2, 2, 2]], "region": ball}), "'region' has no effect on the profile")
+
+    async def mesh(page):
+        says(await page.refused("measure", question={"what": "volume", "seed": [1, 1, 1]}), "'seed' has no effect on the volume")
+        says(await page.refused("measure", question={"what": "area", "label": 1}), "'label' has no effect on the area")
+    with_page(labels, "labels.nrrd")
+    with_page(mesh, "a.stl")
 
 
 def test_it_is_a_job_that_can_be_cancelled():

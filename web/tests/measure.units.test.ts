@@ -6,7 +6,7 @@ import { csvOfAnswer, labelRows, plotOf, type Curve } from "../src/measure/plots
 import { curvePath, rangeOf, readout } from "../src/measure/plot_geometry";
 import { extentOf, handlesOf, movedRegion, regionOf } from "../src/measure/regions";
 import { csvOfRows, rowOf, sorted, type Order, type Row } from "../src/measure/rows";
-import { hintOf, toolsOf } from "../src/measure/tools";
+import { hintOf, kindsOnMeshes, toolsOf } from "../src/measure/tools";
 import type { JsonObject, Measure, MeasureForm, Pose } from "../src/protocol";
 import type { Vec3 } from "../src/slices/geometry";
 
@@ -27,6 +27,18 @@ test("tools of the Measurement room come from the table of kinds", () => {
   const polygon = tools.find((tool) => tool.takes === "polygon")!;
   assert.match(hintOf(polygon, 0), /Click the first corner in a slice/);
   assert.match(hintOf(polygon, 3), /Enter or a double click closes the outline/);
+});
+
+test("on meshes there are tools for places and for the whole, with what can be measured so", () => {
+  const form = (of: MeshForm[], uses: string[]) => ({ of, other: false, points: 0, uses });
+  type MeshForm = "volume" | "mesh" | "shown";
+  const row = (name: string, least_points: number, forms: MeasureForm[]): Measure => ({ name, doc: "", plot: false, least_points, any_points: false, forms });
+  const measures = [
+    row("distance", 2, [form(["volume"], ["points", "iso"]), form(["shown"], ["points"])]), row("profile", 2, [form(["volume"], ["points"])]),
+    row("area", 0, [form(["volume"], ["seed", "label"]), form(["shown"], ["closed"])]), row("histogram", 0, [form(["volume"], ["seed"])]),
+  ];
+  const kinds = Object.fromEntries(toolsOf(measures).map((tool) => [tool.name, kindsOnMeshes(tool, measures)]));
+  assert.deepEqual(kinds, { distance: ["distance"], profile: [], seed: [], label: [], nothing: ["area"] });
 });
 
 test("regions are what is drawn, in the plane that it is drawn in, and their handles keep the rest where it is", () => {

@@ -131,8 +131,10 @@ static void the_form_follows_from_data_and_points(void **state)
     assert_non_null(strstr(surface->uses, "iso"));
     assert_null(strstr(points->uses, "iso"));
     assert_non_null(vv_measure_form_of(distance, VV_MEASURED_MESH, VV_MEASURED_VOLUME, 0));
-    assert_null(vv_measure_form_of(distance, VV_MEASURED_SHOWN, 0, 1));
-    assert_null(vv_measure_form_of(vv_measure_kind_find("angle"), VV_MEASURED_MESH, 0, 3));
+    assert_non_null(vv_measure_form_of(distance, VV_MEASURED_SHOWN, 0, 1));
+    assert_null(vv_measure_form_of(distance, VV_MEASURED_SHOWN, VV_MEASURED_SHOWN, 0));
+    assert_non_null(vv_measure_form_of(vv_measure_kind_find("angle"), VV_MEASURED_MESH, 0, 3));
+    assert_null(vv_measure_form_of(vv_measure_kind_find("profile"), VV_MEASURED_MESH, 0, 2));
 }
 
 /* Answers --------------------------------------------------------------------------------------------------------- */
@@ -410,7 +412,7 @@ static void questions_that_make_no_sense_are_refused_in_words(void **state)
     const vv_measured_inputs of_volume = {.size = sizeof of_volume, .input = &volume, .n_inputs = 1};
     assert_refused("{\"what\": \"area\"}", &nothing, "nothing to measure");
     assert_refused("{\"what\": \"histogram\"}", &of_mesh,
-                   "a.ply is a mesh, which has area, volume, box, distance and geodesic; no histogram");
+                   "a.ply is a mesh, which has area, volume, box, distance, angle and geodesic; no histogram");
     assert_refused("{\"what\": \"area\", \"iso\": 1, \"label\": 2}", &of_volume, "give one of them");
     assert_refused("{\"what\": \"area\", \"mask\": \"m.nrrd\"}", &of_volume, "mask");
     assert_refused("{\"what\": \"labels\", \"values\": \"v.nrrd\"}", &of_volume, "real numbers");
@@ -418,6 +420,12 @@ static void questions_that_make_no_sense_are_refused_in_words(void **state)
     assert_refused("{\"what\": \"area\", \"seed\": [99, 0, 0]}", &of_volume, "99,0,0 is outside");
     assert_refused("{\"what\": \"angle\", \"points\": [[1, 2, 3]]}", &of_volume, "three times; there are 1");
     assert_refused("{\"what\": \"area\", \"component\": 3}", &of_volume, "");
+    assert_refused("{\"what\": \"labels\", \"seed\": [1, 1, 1]}", &of_volume, "'seed' has no effect on the labels of");
+    assert_refused(
+        "{\"what\": \"labels\", \"region\": {\"kind\": \"ellipse\", \"center\": [1, 1, 1], \"size\": [2, 2, 0]}}",
+        &of_volume, "'region' has no effect");
+    assert_refused("{\"what\": \"area\", \"seed\": [1, 1, 1]}", &of_mesh,
+                   "'seed' has no effect on the area of a.ply, a mesh");
     vv_mesh_release(mesh);
     vv_field_release(f);
 }
