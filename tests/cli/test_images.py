@@ -5,7 +5,7 @@ import os
 import struct
 import numpy
 import exr
-from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball
+from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball, write_cells
 
 SMALL = ["--size", "65x33"]
 
@@ -178,6 +178,40 @@ def test_a_dry_run_with_decorations_tells_enough_memory():
     for size in ("64x64", "900x700"):
         command = ["render", "head.nrrd", "-o", "much.png", "--iso", "100", "--size", size, "--decorate", "all", "--title", "A ball", "--json"]
         assert ok(*command, "--dry-run").json["memory_bytes"] >= ok(*command).json["peak_bytes"]
+
+
+def test_volumes_have_modes_of_their_own():
+    write_ball("ct.nrrd")
+    write_ball("pet.nrrd", n=20)
+    look = ("render", "ct.nrrd", "pet.nrrd", "--tf", "pet=inferno", "--range", "pet=40..250", "--size", "64", "--spp", "1", "--overwrite")
+    ok(*look, "-o", "clouds.png")
+    ok(*look, "-o", "fused.png", "--set", "volumes.pet.rays.mode=maximum")
+    ok("render", "ct.nrrd", "--size", "64", "--spp", "1", "-o", "alone.png")
+    assert len({png_pixels(f"{name}.png") for name in ("clouds", "fused", "alone")}) == 3
+    ok(*look, "-o", "maxima.png", "--mode", "maximum")
+    ok(*look, "-o", "by_each.png", "--set", "volumes.ct.rays.mode=mip", "--set", "volumes.pet.rays.mode=maximum")
+    assert png_pixels("maxima.png") == png_pixels("by_each.png") != png_pixels("fused.png")
+    says(fails(2, *look, "-o", "b.png", "--set", "volumes.pet.rays.mode=maximal"), "volumes.pet.rays.mode", "'maximum'")
+    ok(*look, "-o", "scene.png", "--set", "volumes.pet.rays.mode=maximum", "--set", "volumes.pet.rays.step=0.5vox")
+
+
+def test_a_layer_is_picked_where_it_hides_half():
+    write_ball("ct.nrrd")
+    write_ball("pet.nrrd")
+    look = ("pick", "ct.nrrd", "pet.nrrd", "--range", "pet=40..250", "--size", "64", "--pixel", "32,32", "--json")
+    for opacity, volume in ((1, "pet"), (0.3, "ct")):
+        picked = ok(*look, "--set", f'volumes.pet.rays={{"mode": "maximum", "opacity": {opacity}}}').json
+        assert [hit["volume"] for hit in picked["pixels"]] == [volume], picked
+
+
+def test_all_channels_are_seen_as_maxima():
+    write_cells()
+    look = ("render", "cells.nrrd", "--size", "64", "--spp", "1", "--overwrite")
+    ok(*look, "--mode", "maximum", "-o", "both.png")
+    says(ok(*look, "--iso", "500", "-o", "iso.png").message, "no surface of all channels")
+    for hidden in ("volumes.cells_0", "volumes.cells_1"):
+        ok(*look, "--mode", "maximum", "-o", "one.png", "--set", f"{hidden}.visible=false")
+        assert png_pixels("one.png") != png_pixels("both.png"), hidden
 
 
 def test_a_dry_run_counts_the_light_volume():

@@ -85,6 +85,12 @@ def test_the_method_is_surface_and_others_say_why_not():
     for method in ("boxes", "reduced"):
         says(fails(1, "render", "box.ply", "-o", "no.png", "--method", method), "volumes.box", "mesh", "method=surface")
     says(fails(1, "render", "box.ply", "-o", "no.png", "--method", "raycast", "--mode", "mean"), "volumes.box", "mesh", "mode=composite")
+    write_ball("head.nrrd")
+    look = ("--method", "raycast", "--mode", "maximum", "--size", "64x64", "--spp", "1")
+    render("head.nrrd", *look)  # beside a volume, its maxima are a layer over the mesh
+    alone = pixels("out.png").astype(int)
+    render("head.nrrd", "box.ply", *look)
+    assert (abs(pixels("out.png").astype(int) - alone).max(axis=2) > 8).mean() > 0.01
 
 
 def test_rays_and_triangles_make_the_same_picture_of_a_mesh():

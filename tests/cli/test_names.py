@@ -80,11 +80,10 @@ def test_each_channel_is_seen_in_its_own_colour():
     assert g > 0.1 and r > 0.1 and abs(r - b) < 0.05
 
 
-def test_modes_that_show_one_volume_show_the_first_channel():
+def test_one_value_is_the_surface_of_the_first_channel():
     write_named_cells()
-    for words in (["--mode", "maximum"], ["--iso", "500"]):
-        said = ok("render", "cells.nrrd", "-o", "a.png", "--size", "16x16", *words).message
-        says(said, "cells_0", "nuclei")
+    for words in (["--iso", "500"], ["--mode", "isosurface"]):
+        says(ok("render", "cells.nrrd", "-o", "a.png", "--size", "16x16", *words).message, "cells_0", "nuclei")
 
 
 def test_labels_have_the_names_and_colours_of_their_file():

@@ -54,6 +54,11 @@ static vv_status accepts(const vv_scene *scene)
             VV_E_UNSUPPORTED,
             "volumes.%s: ray casting shows at most %d volumes at a time and %zu are visible; set visible=false on some",
             scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
+    if (!scene->n_actors && scene->n_mesh_actors && projects(scene->params) != VV_PROJECTS_NOTHING)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s: is a mesh, and this mode shows one value of each ray; use mode=composite or "
+                       "isosurface, or make a volume visible beside it",
+                       scene->mesh_actors[0].look.id);
     return VV_OK;
 }
 
