@@ -33,7 +33,7 @@ static vv_vec3 normal_at(const vv_image *image, size_t at)
 static void describe(vv_picked *out, const picking *p, const vv_image *image, size_t at)
 {
     const double x = out->pixel.x + 0.5, y = out->pixel.y + 0.5;
-    const bool told = p->scene->renderer->can & VV_CAN_LAYERS;
+    const bool told = p->scene->renderer->can & VV_CAN_LAYERS && image->id && image->normal && image->value;
     vvi_seen seen;
     if (told)
         vvi_sight_of(&seen, &p->sight, image->id[at], x, y, out->depth);

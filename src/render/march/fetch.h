@@ -96,6 +96,10 @@ VV_INLINE void fetch_words(vi *low, vi *high, const vvi_lattice *g, int how, con
         break;
     switch (how >> FETCH_SHIFT) {
         FETCH_ROWS(WORDS)
+    default:
+        *low = vi_set1(0);
+        if (high)
+            *high = *low;
     }
 #undef WORDS
 }

@@ -173,15 +173,16 @@ static void draw_between(vvi_sink *out, const vvi_raycast_state *s, vvi_rays *ra
     vvi_hits hits;
     vvi_sink clouds = {.hits = out->hits ? &hits : NULL};
     double end[VVI_RAY_BATCH] = {0};
-    memcpy(end, rays->far, rays->n * sizeof *end);
-    clear(out, rays->n);
-    for (size_t n = 1; n > 0;) {
-        n = vvi_ray_meshes_translucent(&layer, &s->meshes, rays);
-        for (size_t i = 0; i < rays->n; i++)
+    const size_t n = rays->n;
+    memcpy(end, rays->far, n * sizeof *end);
+    clear(out, n);
+    for (size_t met = 1; met > 0;) {
+        met = vvi_ray_meshes_translucent(&layer, &s->meshes, rays);
+        for (size_t i = 0; i < n; i++)
             rays->far[i] = fmin(end[i], (double)layer.sink.depth[i]);
         if (draw_clouds(&clouds, s, rays, counts))
-            put_behind(out, &clouds, rays->n);
-        for (size_t i = 0; i < rays->n; i++) {
+            put_behind(out, &clouds, n);
+        for (size_t i = 0; i < n; i++) {
             const double at = (double)layer.sink.depth[i];
             const bool more = isfinite(at);
             for (int c = 0; c < 3 && more; c++)
