@@ -42,7 +42,8 @@ vv_status vvi_mesh_values_of(float *out, const vv_mesh_info *mesh, const vv_affi
                              int component, bool nearest, vv_job *job)
 {
     static const vvi_work work = {.stage = "values", .item = sample_chunk};
-    sampling s = {.mesh = mesh, .to_index = *to_index, .values = out};
+    sampling s = {.mesh = mesh, .to_index = *to_index};
+    s.values = out;
     vv_status st = vvi_probe_open(&s.probe, field, component, nearest, job);
     if (st != VV_OK)
         return st;
