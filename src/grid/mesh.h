@@ -93,4 +93,8 @@ vv_status vvi_mesh_count_edges(vvi_mesh_edges *out, const vv_mesh_info *mesh, co
 vv_status vvi_mesh_add_values(float **out, vv_mesh *mesh, const char *name, const char *unit, vv_job *job);
 /** The same for parts: zeroed, their colours not given. */
 vv_status vvi_mesh_add_parts(vv_mesh_part **out, vv_mesh *mesh, size_t n, vv_job *job);
+/** What a field has at each vertex, whose place is to_index of the vertex's: linear between samples, or the nearest; up
+ * to half a sample beyond the outermost their value, farther out NaN. out: n_vertices. */
+vv_status vvi_mesh_values_of(float *out, const vv_mesh_info *mesh, const vv_affine *to_index, const vv_field *field,
+                             int component, bool nearest, vv_job *job);
 #endif

@@ -100,6 +100,9 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 
 /** Colours by the values of another field, which is loaded. */
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
+/** The actor's paint, where its volume has one: another dataset that gives the colours, loaded, and placed as the
+ * volume is. */
+vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);
 
 /** How slices show an actor. */
 void vvi_resolve_slices(vv_scene *scene, size_t actor);

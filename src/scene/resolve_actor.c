@@ -193,8 +193,7 @@ void vvi_resolve_shading(vv_actor *actor, const vv_world *world, const vv_volume
     actor->color[2] = (float)volume->color.b;
 }
 
-/* Another dataset that gives the colours: loaded, and placed as the volume is. */
-static vv_status load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job)
+vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job)
 {
     const vv_volume_paint *paint = (const vv_volume_paint *)cast->volume->paint;
     vv_paint *out = &cast->actor->paint;
@@ -287,7 +286,7 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
     cast.projects = vvi_renderer_projects(renderer, own);
     cast.amounts = cast.projects != VV_PROJECTS_NOTHING || shows_solid(renderer, own);
     cast.voxel = vvi_actor_voxel(actor);
-    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK ||
+    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = vvi_load_paint(&cast, &data_to_world, job)) != VV_OK ||
         (st = vvi_resolve_texture(&cast, &data_to_world, job)) != VV_OK)
         return st;
     actor->nearest = wants_nearest(actor, volume);

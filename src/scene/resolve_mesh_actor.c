@@ -184,6 +184,68 @@ static vv_status resolve_colors(vv_mesh_actor *shape, vvi_cast *cast, vv_job *jo
     return st == VV_OK ? color_vertices(shape, job) : st;
 }
 
+/* Paint ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct painting {
+    const vv_mesh *mesh;
+    const vv_paint *paint;
+    vv_affine to_index;
+} painting;
+
+static vv_status make_painted(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const painting *p = user;
+    const vv_field_info *info = vv_field_get_info(p->paint->field);
+    vvi_mesh_arrays a;
+    vv_mesh *copy = NULL;
+    float *values;
+    vv_status st = vvi_mesh_copy(&copy, &a, p->mesh, vvi_mesh_with(p->mesh), job);
+    if (st == VV_OK)
+        st = vvi_mesh_add_values(&values, copy, info->name, info->value_unit, job);
+    if (st == VV_OK)
+        st = vvi_mesh_values_of(values, vv_mesh_get_info(copy), &p->to_index, p->paint->field, p->paint->component,
+                                p->paint->nearest, job);
+    if (st == VV_OK)
+        st = vv_field_health(p->paint->field);
+    if (st != VV_OK) {
+        vv_mesh_release(copy);
+        return st;
+    }
+    *value_out = copy;
+    *bytes_out = vvi_mesh_bytes(copy);
+    return VV_OK;
+}
+
+/* The mesh with the values of its paint at its vertices, which are kept, and their colours. */
+static vv_status paint_mesh(vv_mesh_actor *shape, const vvi_cast *cast, vv_job *job)
+{
+    const vv_paint *paint = &shape->look.paint;
+    const size_t bytes = 4 * paint->n_color * sizeof *paint->color;
+    painting p = {.mesh = shape->mesh, .paint = paint};
+    vvi_cached *cached;
+    vv_affine inverse;
+    if (!vv_affine_invert(&inverse, paint->index_to_world))
+        return vv_fail(VV_E_UNSUPPORTED, "%s.paint: has no thickness", cast->path);
+    p.to_index = vv_affine_compose(inverse, shape->place);
+    const uint64_t hash = vvi_hash(&p.to_index, sizeof p.to_index,
+                                   vvi_hash(&paint->component, sizeof paint->component, vv_mesh_checksum(p.mesh)));
+    const vvi_cache_key key = {"painted mesh", vv_field_identity(paint->field), hash};
+    const vv_status st = vvi_cache_get(&cached, &key, make_painted, drop_mesh, &p, job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "%s.paint", cast->path);
+    vv_mesh_release(shape->mesh);
+    shape->mesh = vv_mesh_retain(vvi_cached_value(cached));
+    vvi_cache_release(cached);
+    double *rows = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
+    if (!rows)
+        return vv_fail_memory(bytes);
+    memcpy(rows, paint->color, bytes);
+    shape->look.classes.color = rows;
+    shape->look.classes.n_color = paint->n_color;
+    shape->opacity = cast->volume->color.a;
+    return color_vertices(shape, job);
+}
+
 /* Parts that are shown in the colour that all have: those of several, or the whole. */
 static size_t count_plain(const vv_mesh_actor *shape)
 {
@@ -279,6 +341,10 @@ vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_
         return st;
     vvi_resolve_shading(look, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = look, .path = path};
+    if ((st = vvi_load_paint(&cast, &data_to_world, job)) != VV_OK)
+        return st;
+    if (look->paint.field)
+        return paint_mesh(shape, &cast, job);
     if ((st = resolve_colors(shape, &cast, job)) != VV_OK || !has_textures(vv_mesh_get_info(shape->mesh)))
         return st;
     st = vvi_gfx_textures_get(&shape->textures, shape->mesh, job);

@@ -177,6 +177,29 @@ def test_values_have_their_colours_between_vertices_too():
         assert len(x) > 60 and abs(row[x] - want).max() < 0.012, (method, abs(row[x] - want).max())
 
 
+def test_meshes_are_painted_by_another_dataset():
+    """Values x / 8 of a volume on a sphere about (4, 4, 4): red, green, blue from left to right, by the formula of the map."""
+    write_nrrd("ramp.nrrd", (17, 9, 9), lambda x, y, z: x / 16, spacing=(0.5, 1, 1), kind="float", code="f")
+    write_ply("ball.ply", *sphere(3, 80, (4, 4, 4)))
+    paint = 'volumes.ball.paint={"data": "ramp", "color": [[0, 1, 0, 0], [0.5, 0, 1, 0], [1, 0, 0, 1]]}'
+    look = ["--view", "top", "--parallel", 8, "--size", "151x151", "--set", 'datasets.ramp={"path": "ramp.nrrd"}', "--set", paint]
+    for method in ("surface", "raycast"):
+        render("ball.ply", "--no-shading", "--spp", 1, "--method", method, *look)
+        row = pixels("out.png")[75]
+        x = numpy.nonzero(row.max(axis=1))[0]
+        value = (4 + (x - 75) * 8 / 151) / 8
+        light = numpy.stack([numpy.maximum(1 - 2 * value, 0), 1 - abs(2 * value - 1), numpy.maximum(2 * value - 1, 0)], axis=1)
+        want = 255 * numpy.where(light <= 0.0031308, 12.92 * light, 1.055 * numpy.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
+        assert len(x) > 100 and abs(row[x] - want).max() <= 12 and abs(row[x] - want).mean() < 1.5, (method, abs(row[x] - want).max())
+    at = ok("pick", "ball.ply", *look, "--pixel", "105,75", "--json").json["pixels"][0]
+    assert abs(at["value"] - at["world"][0] / 8) < 0.003, at
+    write_nrrd("half.nrrd", (9, 9, 9), lambda x, y, z: 1, spacing=(0.5, 1, 1), kind="float", code="f")
+    render("ball.ply", "--no-shading", "--spp", 1, *look, "--set", 'datasets.ramp={"path": "half.nrrd"}', "--set", "volumes.ball.color=#808080")
+    row = pixels("out.png")[75]
+    assert tuple(row[40]) == (0, 0, 255) and tuple(row[110]) == (128, 128, 128), "its own colour where there are no samples"
+    says(fails(2, "render", "ball.ply", "-o", "no.png", "--set", 'volumes.ball.paint={"data": "none"}'), "volumes.ball.paint.data", "none")
+
+
 def test_values_that_most_vertices_share_give_no_colours():
     places, triangles = sphere(1)
     def colors(values, *words):

@@ -142,7 +142,7 @@ def test_what_lies_behind_a_link_outside_is_not_listed():
             assert [(e["bytes"], e["kind"]) for e in top[1:]] == [(size, "volume")] * 3, top
             assert [e["name"] for e in (await page.ask("browse", path="sub"))["entries"]] == ["up.nrrd"]
             assert await page.refused("browse", path="folder")
-    with Server("a/in.obj", "--root", "a", verb="serve") as server:
+    with Server("--root", "a", verb="serve") as server:
         run(work(server))
     with Server("a/ball.nrrd") as server:  # a root that is all of the system
         async def everywhere():
@@ -169,7 +169,7 @@ def test_a_folder_that_is_a_volume_is_listed_as_one_and_opened():
             assert (await page.ask("info", dataset=name))["dims"] == [16, 16, 16]
             await page.resting()
             assert not errors(page)
-    with Server("a/in.obj", "--root", "a", verb="serve") as server:
+    with Server("--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -215,7 +215,7 @@ def test_parts_of_a_folder_are_opened_by_name():
                          "../secret.ome.zarr:0"):
                 assert await page.refused("open", path=name), name
             assert not errors(page)
-    with Server("a/in.obj", "--root", "a", verb="serve") as server:
+    with Server("--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -240,7 +240,7 @@ def test_scenes_of_pictures_are_read_by_the_import_program_and_are_what_they_wer
                     file.write(whole[:n])
                 await page.answer("open", path="cut.png")
             await page.ask("open", path="ball.nrrd")
-    with Server("a/in.obj", "--root", "a", verb="serve") as server:
+    with Server("--root", "a", verb="serve") as server:
         run(work(server))
 
 
@@ -261,7 +261,7 @@ def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
     import served as pages
     pages.VOLVIS = harness.VOLVIS
     try:
-        with Server("a/in.obj", "--root", "a", verb="serve") as server:
+        with Server("--root", "a", verb="serve") as server:
             async def served():
                 async with Page(server) as page:
                     for name in ("ball.nrrd", "box.ply", *(f"pic.{suffix}" for suffix in PICTURES)):

@@ -57,7 +57,7 @@ static vv_status add(size_t *out, vvi_mesh_builder *b, const vv_image *image, co
 
 static vv_status leave_out(const char *name, vv_notes *notes)
 {
-    return vvi_notes_warn(notes, "the image '%.100s' on its triangles is left out: %.300s", name,
+    return vvi_notes_warn(notes, "the image '%.100s' on its triangles is left out: %.300s", *name ? name : "(no name)",
                           vv_error_last()->message);
 }
 
