@@ -22,7 +22,8 @@ typedef struct value_row {
 } value_row;
 
 typedef struct look {
-    vv_brick brick;
+    const vv_field *field;
+    vv_brick brick; /* the slice that is looked at */
     int component;
     int64_t *row;
     const vv_field_info *info;
@@ -83,13 +84,13 @@ static bool is_noise(const look *l)
 static vv_status count_runs(look *l)
 {
     vv_status st = VV_OK;
-    for (int64_t i = 0, end; i < l->brick.box.n[0] && st == VV_OK; i = end) {
-        for (end = i + 1; end < l->brick.box.n[0] && l->row[end] == l->row[i];)
+    for (int64_t i = 0, end; i < l->info->grid.dims[0] && st == VV_OK; i = end) {
+        for (end = i + 1; end < l->info->grid.dims[0] && l->row[end] == l->row[i];)
             end++;
         st = add_run(l, l->row[i], (uint64_t)(end - i));
         l->runs++;
     }
-    l->seen += (uint64_t)l->brick.box.n[0];
+    l->seen += (uint64_t)l->info->grid.dims[0];
     return st;
 }
 
@@ -124,7 +125,7 @@ static size_t number_of(const look *l, int64_t value)
 
 static vv_status count_pairs(look *l)
 {
-    const int64_t n = l->brick.box.n[0];
+    const int64_t n = l->info->grid.dims[0];
     for (int64_t i = 0; i < n; i++) {
         const int64_t v = l->row[i];
         if (v == l->background)
@@ -149,16 +150,28 @@ int64_t vvi_label_sense_step(int64_t n)
     return (n + ROWS_ALONG - 1) / ROWS_ALONG;
 }
 
+/* Of samples that are not in memory no more are made. */
+static vv_status open_slice(look *l, int64_t k)
+{
+    vv_box box = vv_field_box(l->field);
+    vv_brick_release(&l->brick);
+    l->brick = (vv_brick){0};
+    box.lo[2] = k;
+    box.n[2] = 1;
+    return vv_field_brick(&l->brick, l->field, &box, l->job);
+}
+
 static vv_status for_rows(look *l, vv_status (*visit)(look *))
 {
-    const int64_t *n = l->brick.box.n;
+    const int64_t *n = l->info->grid.dims;
     const int64_t dj = vvi_label_sense_step(n[1]), dk = vvi_label_sense_step(n[2]);
     vv_status st = VV_OK;
     for (int64_t k = 0; k < n[2] && st == VV_OK; k += dk) {
+        st = open_slice(l, k);
         for (int64_t j = 0; j < n[1] && st == VV_OK; j += dj) {
             if (is_noise(l))
                 return VV_OK;
-            vvi_label_read(l->row, &l->brick, l->component, l->info, j, k);
+            vvi_label_read(l->row, &l->brick, l->component, l->info, j, 0);
             st = visit(l);
         }
         st = st == VV_OK ? vvi_job_poll(l->job) : st;
@@ -248,12 +261,12 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     vv_field_info stored = *vv_field_get_info(q->field);
     stored.value_scale = 1; /* whatever a step of the stored numbers stands for */
     stored.value_offset = 0;
-    look l = {.component = q->component, .info = &stored, .job = job};
+    look l = {.field = q->field, .component = q->component, .info = &stored, .job = job};
     size_t *n = vvi_alloc_zeroed(job, sizeof *n, VVI_MEM_DERIVED);
     if (!n)
         return vv_fail_memory(sizeof *n);
-    vv_status st = vv_field_brick(&l.brick, q->field, &all, job);
-    if (st == VV_OK && !(l.row = vvi_alloc(job, (size_t)all.n[0] * sizeof *l.row, VVI_MEM_SCRATCH)))
+    vv_status st = VV_OK;
+    if (!(l.row = vvi_alloc(job, (size_t)all.n[0] * sizeof *l.row, VVI_MEM_SCRATCH)))
         st = vv_fail_memory((size_t)all.n[0] * sizeof *l.row);
     if (st == VV_OK)
         st = sense(n, &l);

@@ -249,11 +249,35 @@ static bool is_in_a_slab(lazy *s, const vv_box *box)
     return box->lo[2] + box->n[2] <= covers.lo[2] + covers.n[2];
 }
 
+/* Made for whoever asks, and not kept. */
+static vv_status brick_of_box(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
+{
+    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
+    if (!h)
+        return vv_fail_memory(sizeof *h);
+    h->head.release = release_held;
+    h->damaged = &s->damaged;
+    pthread_mutex_lock(&s->pool->lock);
+    vvi_job_hush(job, 1);
+    const vv_status st = s->source.make(&h->field, s->source.user, box, job);
+    vvi_job_hush(job, -1);
+    pthread_mutex_unlock(&s->pool->lock);
+    return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
+}
+
+static bool is_small(const lazy *s, const vv_box *box)
+{
+    const int64_t *d = s->info.grid.dims;
+    return s->source.boxes && (box->n[0] < d[0] || box->n[1] < d[1]);
+}
+
 static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
 {
     lazy *s = (lazy *)(uintptr_t)store; /* its pool and what it knows of damage are no part of what is immutable */
     const vv_brick asked = *out;
     int64_t n;
+    if (is_small(s, box))
+        return brick_of_box(out, s, box, job);
     if (!is_in_a_slab(s, box))
         return brick_of_slabs(out, s, box, job);
     const vv_status st = brick_of_slab(out, &n, s, box, box->lo[2], job);

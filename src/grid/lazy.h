@@ -21,6 +21,7 @@ typedef struct vvi_lazy_source {
     /** Once, when the field goes, and also when making it fails; NULL: nothing to do. */
     void (*drop)(void *user);
     void *user;
+    bool boxes; /**< small boxes are as quick as what is in them: those that are no whole slices are made alone */
 } vvi_lazy_source;
 
 /** Bricks from any thread; one thread makes while others wait. Retains the pool. */

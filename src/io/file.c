@@ -390,6 +390,11 @@ const vv_field_info *vv_file_info(const vv_file *file)
     return file->left_out ? &file->left_out->rest : &file->info;
 }
 
+bool vvi_file_has_boxes(const vv_file *file)
+{
+    return file->format->boxes && !file->left_out;
+}
+
 const char *vv_file_format(const vv_file *file)
 {
     return file->format->name;

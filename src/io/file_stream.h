@@ -11,6 +11,11 @@
  * file share one pool, since a file is read by one thread at a time. Packed data is unpacked once when slabs are asked
  * for in order, and again from its start when they are not. */
 vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy_pool *pool, vv_job *job);
+/** The same, by boxes of any form, of a file whose format has them (vv_format.boxes); the file is the field's from now
+ * on, and is closed here where this fails. */
+vv_status vvi_file_stream_boxes(vv_field **out, vv_file *file, int64_t frame, vv_job *job);
+/** Whether it can be. */
+bool vvi_file_has_boxes(const vv_file *file);
 /** For whoever will read samples of a file more than once: what comes by a pipe is kept in a temporary file. Before the
  * first are read. */
 vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);

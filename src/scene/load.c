@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/names.h"
 #include "grid/mesh.h"
+#include "io/file_stream.h"
 #include "io/mesh_file.h"
 #include "model/dataset.h"
 #include "model/made_data.h"
@@ -139,6 +140,15 @@ static void drop_field(void *value)
     vv_field_release(value);
 }
 
+/* For memory, and of a format whose parts can be read as they are asked for. */
+static bool is_too_large(const vv_file *file, vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    uint64_t bytes;
+    return runtime && vvi_file_has_boxes(file) && vv_field_info_bytes(&bytes, vv_file_info(file)) == VV_OK &&
+           bytes > vv_runtime_memory_limit(runtime) / 8 * 7; /* what fits is quicker whole */
+}
+
 static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
@@ -151,14 +161,17 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
     if (r->frame < 0 || r->frame >= n_frames)
         st = vv_fail_at(VV_E_ARGUMENT, r->dataset->path, NULL, "there is no time step %lld: expected 0 to %lld",
                         (long long)r->frame, (long long)n_frames - 1);
-    else
+    const bool mapped = vv_file_mappable(file), pieces = st == VV_OK && !mapped && is_too_large(file, job);
+    if (pieces)
+        st = vvi_file_stream_boxes(&field, file, r->frame, job); /* which has the file */
+    else if (st == VV_OK)
         st = vv_file_read(&field, file, r->frame, NULL, job);
-    const bool mapped = vv_file_mappable(file);
-    vv_file_close(file);
+    if (!pieces)
+        vv_file_close(file);
     if (st == VV_OK && r->frame == 0)
         st = check_sum(r->dataset, field, job);
     if (st == VV_OK && (st = vv_field_info_bytes(bytes_out, vv_field_get_info(field))) == VV_OK) {
-        *bytes_out = mapped ? 0 : *bytes_out;
+        *bytes_out = mapped || pieces ? 0 : *bytes_out;
         *value_out = field;
         return VV_OK;
     }

@@ -7,7 +7,8 @@
 #include <volvis/sys/scene.h>
 
 typedef struct vvi_walk {
-    vv_brick brick; /**< the whole field */
+    vv_brick brick; /**< the slices about the sample that is visited */
+    int64_t n[3];   /**< of the whole field */
     int component;
     vv_affine inverse; /**< World to index */
     double value_scale, value_offset;
@@ -26,8 +27,8 @@ vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user
 /** As many visits as there are at most. */
 enum { VVI_WALK_ALONG = 67, VVI_WALK_MOST = VVI_WALK_ALONG * VVI_WALK_ALONG * VVI_WALK_ALONG };
 
-/** The value at a sample. */
+/** The value at the sample that is visited, or one beside it. */
 double vvi_walk_value(const vvi_walk *walk, const int64_t at[3]);
-/** Value per world length: central differences, one-sided at the border. */
+/** At the one that is visited: value per world length, central differences, one-sided at the border. */
 vv_vec3 vvi_walk_gradient(const vvi_walk *walk, const int64_t at[3]);
 #endif

@@ -50,6 +50,18 @@ def test_a_picture_repeats_itself():
         assert contents("a.png") == contents("b.png"), extra
 
 
+def test_what_no_memory_holds_is_drawn_from_the_parts_that_are_seen():
+    write_ball()
+    ok("resample", "head.nrrd", "-o", "large.zarr", "--size", "250,250,250")
+    whole, parts = ["large.zarr:0", "-o", "whole.png", *SMALL], ["large.zarr:0", "-o", "parts.png", *SMALL, "--memory", "13M"]
+    for words in ([], ["--iso", "90"], ["--mode", "maximum"], ["--tf", "0:0 100:0.1#e0b090 200:0.9#fff", "--clip", "z:..20"]):
+        ok("render", *whole, "--overwrite", *words)
+        answer = ok("render", *parts, "--overwrite", "--json", *words).json
+        assert answer["peak_bytes"] < 13 << 20 and png_pixels("parts.png") == png_pixels("whole.png"), words
+    ok("convert", "large.zarr:0", "-o", "large.nrrd", "--encoding", "gzip")
+    fails(4, "render", "large.nrrd", "-o", "x.png", *SMALL, "--memory", "13M")  # whose parts cannot be read alone
+
+
 def test_many_rays_a_pixel_are_a_number_a_noise_or_a_time():
     write_ball()
     one = ok("render", "head.nrrd", "-o", "one.png", *SMALL, "--spp", "1", "--json").json

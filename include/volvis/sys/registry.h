@@ -65,6 +65,8 @@ typedef struct vv_format {
      * such a file without a word on its format is best kept in the same one. */
     bool takes_origin;
     bool beside; /**< it may look for other files beside the one that is read */
+    /** read() of a small region takes about as long as what is in it: nothing before it has to be decoded. */
+    bool boxes;
 } vv_format;
 
 /** An image file format. */

@@ -387,6 +387,7 @@ const vv_format vvi_format_hdf5 = {
     .mappable = mappable,
     .write = vvi_h5_write,
     .contained = VV_HAVE_HDF5,
+    .boxes = true,
     .beside = true, /* the .xml of BigDataViewer */
 };
 
@@ -401,6 +402,7 @@ const vv_format vvi_format_netcdf = {
     .read = vvi_h5_read,
     .mappable = mappable,
     .contained = VV_HAVE_HDF5,
+    .boxes = true,
 };
 
 const vv_format vvi_format_minc = {
@@ -413,6 +415,7 @@ const vv_format vvi_format_minc = {
     .free_plan = free_plan,
     .read = vvi_h5_read,
     .contained = VV_HAVE_HDF5,
+    .boxes = true,
 };
 
 const vv_format vvi_format_imaris = {
@@ -425,6 +428,7 @@ const vv_format vvi_format_imaris = {
     .free_plan = free_plan,
     .read = vvi_h5_read,
     .contained = VV_HAVE_HDF5,
+    .boxes = true,
 };
 
 const vv_format vvi_format_bdv = {
@@ -438,4 +442,5 @@ const vv_format vvi_format_bdv = {
     .free_plan = free_plan,
     .read = vvi_h5_read,
     .contained = VV_HAVE_HDF5,
+    .boxes = true,
 };

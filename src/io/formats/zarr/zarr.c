@@ -125,6 +125,7 @@ static const char *const suffixes[] = {".ome.zarr", ".zarr", NULL};
 
 const vv_format vvi_format_ome_zarr = {
     .beside = true,
+    .boxes = true,
     .api = VV_FORMAT_API,
     .name = "ome-zarr",
     .doc = "Zarr 2 and 3 folders and OME-Zarr images in them; written as OME-Zarr 0.4",
