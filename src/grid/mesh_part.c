@@ -43,7 +43,7 @@ static void fill(vvi_mesh_arrays *a, const vv_mesh_info *m, const vv_mesh_part *
     }
     for (size_t k = 0; k < 3 * part->n_triangles; k++)
         a->triangles[k] = number[corner[k]];
-    if (m->coordinate_of) { /* coordinates of other parts stay */
+    if (m->coordinates && m->coordinate_of) { /* coordinates of other parts stay */
         memcpy(a->coordinates, m->coordinates, 2 * m->n_coordinates * sizeof *a->coordinates);
         memcpy(a->coordinate_of, m->coordinate_of + 3 * part->first_triangle,
                3 * part->n_triangles * sizeof *a->coordinate_of);
