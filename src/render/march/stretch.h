@@ -47,13 +47,14 @@ VV_INLINE int find_stretches(stretch out[MOST_STRETCHES], const passage *p, size
     double t = INFINITY, until;
     for (size_t i = 0; i < n; i++)
         t = p[i].from < t ? p[i].from : t;
-    for (; t < INFINITY; t = until) {
+    while (t < INFINITY) {
         const double step = step_at(p, n, t, &until);
-        if (step == INFINITY)
-            continue;
-        if (!count || out[count - 1].step != step)
-            out[count++] = (stretch){.from = t, .step = step};
-        out[count - 1].to = until;
+        if (step < INFINITY) {
+            if (!count || out[count - 1].step != step)
+                out[count++] = (stretch){.from = t, .step = step};
+            out[count - 1].to = until;
+        }
+        t = until;
     }
     if (count)
         out[count - 1].to = INFINITY; /* nothing lies behind */
