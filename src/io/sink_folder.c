@@ -48,25 +48,32 @@ static vv_status fail_writing(vvi_sink_folder *f, const char *doing, const char 
 
 /* Removing ------------------------------------------------------------------------------------------------------- */
 
-/* Everything in a folder; takes the descriptor. */
+enum { LISTED = 2048 }; /* bytes of a list of names */
+
+static void remove_below(int fd, int depth);
+
+static void remove_entry(int folder, const char *name, int depth)
+{
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0 || unlinkat(folder, name, 0) == 0)
+        return;
+    remove_below(openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), depth + 1);
+    unlinkat(folder, name, AT_REMOVEDIR);
+}
+
+/* Everything in a folder; takes the descriptor. Without readdir(), which needs memory: where there is none left, what
+ * was begun is removed all the same. */
 static void remove_below(int fd, int depth)
 {
-    DIR *folder = fd >= 0 && depth < DEPTH_MOST ? fdopendir(fd) : NULL;
-    if (!folder) {
-        if (fd >= 0)
-            close(fd);
+    _Alignas(struct dirent64) char list[LISTED];
+    if (fd < 0)
         return;
-    }
-    for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-        const char *name = entry->d_name;
-        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-            continue;
-        if (unlinkat(dirfd(folder), name, 0) == 0)
-            continue;
-        remove_below(openat(dirfd(folder), name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), depth + 1);
-        unlinkat(dirfd(folder), name, AT_REMOVEDIR);
-    }
-    closedir(folder);
+    for (ssize_t n; depth < DEPTH_MOST && (n = getdents64(fd, list, sizeof list)) > 0;)
+        for (ssize_t at = 0; at < n;) {
+            const struct dirent64 *entry = (const struct dirent64 *)(const void *)(list + at);
+            remove_entry(fd, entry->d_name, depth);
+            at += entry->d_reclen;
+        }
+    close(fd);
 }
 
 void vvi_sink_remove_folder(const char *path)
