@@ -30,23 +30,32 @@ void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel)
     pace->fixed = blend(pace->fixed, travel);
 }
 
+static double rate_of(const vvi_pace *pace)
+{
+    return fmax(pace->rate[0], pace->rate[1]);
+}
+
+static void note_rate(vvi_pace *pace, double rate)
+{
+    pace->rate[1] = pace->rate[0];
+    pace->rate[0] = rate;
+}
+
 /* What a small frame takes too is the page's time and the way, whatever the bytes: at most half of it, since a small
- * one may have waited behind texts. */
+ * one may have waited behind texts. A small one tells that the line is faster than was known, which is how a line that
+ * was slow, and so gets none but small ones, is found to be mended. */
 void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel)
 {
     if (!(travel > 0))
         return;
     if (bytes < TELLING) {
+        const double least = (double)bytes / travel, known = rate_of(pace);
         pace->small = pace->small > 0 && travel > pace->small ? blend(pace->small, travel) : travel;
+        if (known > 0 && least > known)
+            note_rate(pace, least);
         return;
     }
-    pace->rate[1] = pace->rate[0];
-    pace->rate[0] = (double)bytes / fmax(travel - pace->small, 0.5 * travel);
-}
-
-static double rate_of(const vvi_pace *pace)
-{
-    return fmax(pace->rate[0], pace->rate[1]);
+    note_rate(pace, (double)bytes / fmax(travel - pace->small, 0.5 * travel));
 }
 
 size_t vvi_pace_room(const vvi_pace *pace)

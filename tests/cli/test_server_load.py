@@ -116,7 +116,7 @@ def pictures_at(sock, rate, seconds):
         budget, last = min(budget + rate * (now - last), rate), now
         if budget >= 256:
             try:
-                piece = sock.recv(int(budget))
+                piece = sock.recv(min(int(budget), 1 << 16))
             except TimeoutError:
                 continue
             assert piece, "the server has ended the connection"

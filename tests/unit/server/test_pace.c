@@ -151,6 +151,20 @@ static void a_picture_at_rest_has_what_a_thin_line_carries_soon(void **state)
     assert_true(vvi_pace_carries(&pace, 99999) && !vvi_pace_carries(&pace, 101000));
 }
 
+/* It gets none but small pictures, of less than a line's speed is told by. */
+static void a_line_that_is_mended_is_found_so_by_small_pictures(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_carried(&pace, 32000, 16);
+    assert_true(vvi_pace_room(&pace) < 16000);
+    vvi_pace_carried(&pace, 10000, 6); /* no faster */
+    assert_true(vvi_pace_room(&pace) < 16000);
+    vvi_pace_carried(&pace, 10000, 0.01);
+    assert_true(vvi_pace_room(&pace) >= 4999999);
+}
+
 static void a_page_that_has_much_to_do_is_no_thin_line(void **state)
 {
     (void)state;
@@ -184,6 +198,7 @@ int main(void)
         cmocka_unit_test(one_frame_is_under_way_and_the_newest_waits),
         cmocka_unit_test(who_reads_ten_kilobytes_a_second_is_slow_but_there),
         cmocka_unit_test(a_picture_at_rest_has_what_a_thin_line_carries_soon),
+        cmocka_unit_test(a_line_that_is_mended_is_found_so_by_small_pictures),
         cmocka_unit_test(a_page_that_has_much_to_do_is_no_thin_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
