@@ -102,7 +102,8 @@ static bool cut(uint32_t *t, uint32_t *c, polygon *p)
             if (c)
                 c[k] = p->coordinate[of];
         }
-        c += c ? 3 : 0;
+        if (c)
+            c += 3;
         memmove(p->left + at, p->left + at + 1, (p->n_left - at - 1) * sizeof *p->left);
         p->n_left--;
         at = at < p->n_left ? at : 0;

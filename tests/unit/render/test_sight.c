@@ -289,10 +289,10 @@ static void what_kernels_meet_is_what_the_data_are_there(void **state)
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
             for (int cubic = 0; cubic < 2; cubic++) {
-                vv_world *world = sphere();
                 char path[64], json[64];
                 if (cubic && (i == 2 || i == 3))
                     continue; /* refused */
+                vv_world *world = sphere();
                 snprintf(path, sizeof path, "views.main.render.%s", sets[i][1]);
                 snprintf(json, sizeof json, "\"%s\"", sets[i][2]);
                 set(&world, path, json);
