@@ -76,6 +76,16 @@ static vv_status record(vv_model *model, const char *who, char *path, vv_object 
     return st;
 }
 
+/* How large a voxel is is learned from a file, perhaps by another program: only where lengths are counted in voxels. */
+static vv_property_context context_for(vv_model *model, const edit *e)
+{
+    if (e->json && strstr(e->json, "vox"))
+        return vv_model_context(model);
+    vv_property_context context = vvi_registry_context(model->runtime ? vv_runtime_registry(model->runtime) : NULL);
+    context.length_unit = ((const vv_world *)(const void *)model->world)->unit;
+    return context;
+}
+
 static vv_status edit_locked(vv_model *model, const char *who, const edit *e)
 {
     char *path = NULL;
@@ -84,7 +94,7 @@ static vv_status edit_locked(vv_model *model, const char *who, const edit *e)
     if (st == VV_OK)
         st = changed_path(&path, e, world);
     if (st == VV_OK) {
-        const vv_property_context context = vv_model_context(model);
+        const vv_property_context context = context_for(model, e);
         st = apply(&world, e, &context);
     }
     if (st == VV_OK)
