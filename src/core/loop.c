@@ -53,11 +53,12 @@ enum { WAITS = 3, MODEST_WAITS = 15 }; /* times what an item took, for the threa
 static void wait_beside(const loop *l, vvi_pool *pool, double wait_s)
 {
     const double until_s = vvi_os_seconds() + wait_s;
-    for (double left_s = wait_s; left_s > 0; left_s = until_s - vvi_os_seconds()) {
-        const double nap_s = fmin(left_s, LONGEST_WAIT_S);
-        nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * nap_s)}, NULL);
-        if (has_ended(l) || vvi_pool_is_calm(pool))
-            return;
+    bool goes_on = true;
+    while (goes_on) {
+        const double nap_s = fmin(until_s - vvi_os_seconds(), LONGEST_WAIT_S);
+        if (nap_s > 0)
+            nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * nap_s)}, NULL);
+        goes_on = nap_s > 0 && !has_ended(l) && !vvi_pool_is_calm(pool);
     }
 }
 

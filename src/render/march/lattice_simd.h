@@ -121,7 +121,7 @@ VV_INLINE void load_pair(const vvi_lattice *g, int how, vi x, vi yo, vi zo, vm m
     const int type = type_of(how);
     vi low, high;
     if (how == VVI_SAMPLE_ANY) {
-        vf both[2];
+        vf both[2] = {vf_set1(0.0f), vf_set1(0.0f)};
         any_pair(both, g, &s, m);
         *a = both[0];
         *b = both[1];

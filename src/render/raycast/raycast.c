@@ -154,11 +154,14 @@ static void put_behind(vvi_sink *front, const vvi_sink *behind, size_t n)
 /* What is no solid, from near to far; false: there is nothing. */
 static bool draw_clouds(vvi_sink *out, const vvi_raycast_state *s, const vvi_rays *rays, vv_render_counts *counts)
 {
-    if (s->cloud)
+    if (s->cloud) {
         s->cloud->kernel(out, &s->cloud->ray, rays, counts);
-    else if (s->blend.n_volumes)
-        s->kernels->blend(out, &s->blend, rays, counts);
-    return s->cloud || s->blend.n_volumes;
+        return true;
+    }
+    if (s->blend.n_volumes == 0)
+        return false;
+    s->kernels->blend(out, &s->blend, rays, counts);
+    return true;
 }
 
 /* Steps over a triangle to what lies behind it: by more than floats lose. */
