@@ -4,15 +4,15 @@ Scenes of benchmarks say all that a quality level would choose: pictures of ever
 """
 import json
 import os
-import struct
 import subprocess
 import sys
 import tempfile
 import zlib
 
 VOLVIS, BENCH = sys.argv[1:3]
-sys.path.insert(0, BENCH)
+sys.path[:0] = [BENCH, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../golden")]
 import cases
+import png
 
 N = 24
 
@@ -24,16 +24,9 @@ def write_volume(path):
 
 
 def pixels(path):
-    """Unpacked rows of a PNG: notes beside them tell the quality."""
+    """Unpacked rows: notes beside them tell the quality."""
     with open(path, "rb") as file:
-        data = file.read()
-    at, packed = 8, b""
-    while at < len(data):
-        (n,) = struct.unpack(">I", data[at : at + 4])
-        if data[at + 4 : at + 8] == b"IDAT":
-            packed += data[at + 8 : at + 8 + n]
-        at += n + 12
-    return zlib.decompress(packed)
+        return zlib.decompress(b"".join(body for kind, body in png.chunks(file.read()) if kind == b"IDAT"))
 
 
 def draw(folder, case, quality):
