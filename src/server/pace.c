@@ -4,6 +4,8 @@
 
 #define RECENT 0.3        /* weight of the newest frame */
 #define TELLING 16384     /* bytes of a frame, at least, that tell how fast the line is */
+#define RUN 32768         /* bytes of small frames one behind the other, at least, that tell it too */
+#define PAUSE 1           /* seconds between two of them, at most */
 #define AT_REST 5         /* seconds that a picture at rest may be under way */
 #define WHOLE 10          /* seconds that the whole may be, which follows one that had less */
 #define SLOWEST 1e4       /* bytes a second of a page that is there */
@@ -41,20 +43,37 @@ static void note_rate(vvi_pace *pace, double rate)
     pace->rate[0] = rate;
 }
 
+/* Small frames one behind the other tell that the line is faster than was known, which is how a line that was slow, and
+ * so gets none but small ones, is found to be mended. A single one does not: lines that carry little a second still
+ * carry the first bytes at once. */
+static void note_small(vvi_pace *pace, size_t bytes, double since)
+{
+    if (!(since > 0 && since < PAUSE)) {
+        pace->run_bytes = pace->run_seconds = 0;
+        return;
+    }
+    pace->run_bytes += (double)bytes;
+    pace->run_seconds += since;
+    if (pace->run_bytes < RUN)
+        return;
+    const double least = pace->run_bytes / pace->run_seconds, known = rate_of(pace);
+    if (known > 0 && least > known)
+        note_rate(pace, least);
+    pace->run_bytes = pace->run_seconds = 0;
+}
+
 /* What a small frame takes too is the page's time and the way, whatever the bytes: at most half of it, since a small
- * one may have waited behind texts. A small one tells that the line is faster than was known, which is how a line that
- * was slow, and so gets none but small ones, is found to be mended. */
-void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel)
+ * one may have waited behind texts. */
+void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel, double since)
 {
     if (!(travel > 0))
         return;
     if (bytes < TELLING) {
-        const double least = (double)bytes / travel, known = rate_of(pace);
         pace->small = pace->small > 0 && travel > pace->small ? blend(pace->small, travel) : travel;
-        if (known > 0 && least > known)
-            note_rate(pace, least);
+        note_small(pace, bytes, since);
         return;
     }
+    pace->run_bytes = pace->run_seconds = 0;
     note_rate(pace, (double)bytes / fmax(travel - pace->small, 0.5 * travel));
 }
 

@@ -135,34 +135,54 @@ static void a_picture_at_rest_has_what_a_thin_line_carries_soon(void **state)
     vvi_pace pace;
     vvi_pace_init(&pace, 0.033);
     assert_true(vvi_pace_room(&pace) == SIZE_MAX);
-    vvi_pace_carried(&pace, 3000, 0.001); /* too small to tell */
-    vvi_pace_carried(&pace, 30000, 0);
+    vvi_pace_carried(&pace, 3000, 0.001, 0.001); /* too small to tell */
+    vvi_pace_carried(&pace, 30000, 0, 0);
     assert_true(vvi_pace_room(&pace) == SIZE_MAX);
     for (int i = 0; i < 3; i++) {
-        vvi_pace_carried(&pace, 100000, 10);
+        vvi_pace_carried(&pace, 100000, 10, 10);
         assert_in_range(vvi_pace_room(&pace), 49999, 50010);
     }
-    vvi_pace_carried(&pace, 20000, 0.002); /* it was the page, not the line */
+    vvi_pace_carried(&pace, 20000, 0.002, 0.002); /* it was the page, not the line */
     assert_true(vvi_pace_room(&pace) > 40000000);
-    vvi_pace_carried(&pace, 100000, 10); /* once */
+    vvi_pace_carried(&pace, 100000, 10, 10); /* once */
     assert_true(vvi_pace_room(&pace) > 40000000);
-    vvi_pace_carried(&pace, 100000, 10);
+    vvi_pace_carried(&pace, 100000, 10, 10);
     assert_in_range(vvi_pace_room(&pace), 49999, 50010);
     assert_true(vvi_pace_carries(&pace, 99999) && !vvi_pace_carries(&pace, 101000));
 }
 
-/* It gets none but small pictures, of less than a line's speed is told by. */
+/* It gets none but small pictures, each less than what a line's speed is told by. */
 static void a_line_that_is_mended_is_found_so_by_small_pictures(void **state)
 {
     (void)state;
     vvi_pace pace;
     vvi_pace_init(&pace, 0.033);
-    vvi_pace_carried(&pace, 32000, 16);
+    vvi_pace_carried(&pace, 32000, 16, 16);
     assert_true(vvi_pace_room(&pace) < 16000);
-    vvi_pace_carried(&pace, 10000, 6); /* no faster */
-    assert_true(vvi_pace_room(&pace) < 16000);
-    vvi_pace_carried(&pace, 10000, 0.01);
-    assert_true(vvi_pace_room(&pace) >= 4999999);
+    for (int i = 0; i < 10; i++) {
+        vvi_pace_carried(&pace, 10000, 6, 6); /* no faster */
+        assert_true(vvi_pace_room(&pace) < 16000);
+    }
+    for (int i = 0; i < 4; i++)
+        vvi_pace_carried(&pace, 10000, 0.01, 0.05);
+    assert_in_range(vvi_pace_room(&pace), 990000, 1010000);
+}
+
+/* 10 kB a second, and 10 kB at once after a pause, as lines are that are shared. */
+static void a_line_that_begins_fast_is_not_taken_for_a_fast_one(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_carried(&pace, 100000, 10, 10);
+    for (int i = 0; i < 100; i++) {
+        vvi_pace_carried(&pace, 3000, 0.001, 2); /* after a pause */
+        vvi_pace_carried(&pace, 3000, 0.001, 0.1);
+        vvi_pace_carried(&pace, 3000, 0.001, 0.1);
+        for (int k = 0; k < 10; k++)
+            vvi_pace_carried(&pace, 3000, 0.3, 0.3);
+        assert_in_range(vvi_pace_room(&pace), 49999, 75000);
+    }
 }
 
 static void a_page_that_has_much_to_do_is_no_thin_line(void **state)
@@ -171,20 +191,20 @@ static void a_page_that_has_much_to_do_is_no_thin_line(void **state)
     vvi_pace pace;
     vvi_pace_init(&pace, 0.033);
     for (int i = 0; i < 20; i++)
-        vvi_pace_carried(&pace, 5000, 2); /* whatever comes takes two seconds */
-    vvi_pace_carried(&pace, 20000, 2);
-    vvi_pace_carried(&pace, 100000, 2); /* of a whole that is not yet known to be carried */
+        vvi_pace_carried(&pace, 5000, 2, 2); /* whatever comes takes two seconds */
+    vvi_pace_carried(&pace, 20000, 2, 2);
+    vvi_pace_carried(&pace, 100000, 2, 2); /* of a whole that is not yet known to be carried */
     assert_true(vvi_pace_carries(&pace, 900000));
-    vvi_pace_carried(&pace, 800000, 10); /* eight for these bytes */
-    vvi_pace_carried(&pace, 800000, 10);
+    vvi_pace_carried(&pace, 800000, 10, 10); /* eight for these bytes */
+    vvi_pace_carried(&pace, 800000, 10, 10);
     assert_in_range(vvi_pace_room(&pace), 490000, 510000);
     vvi_pace_init(&pace, 0.033);
-    vvi_pace_carried(&pace, 2000, 12); /* behind a hundred kilobytes of texts */
-    vvi_pace_carried(&pace, 20000, 2);
+    vvi_pace_carried(&pace, 2000, 12, 12); /* behind a hundred kilobytes of texts */
+    vvi_pace_carried(&pace, 20000, 2, 2);
     assert_false(vvi_pace_carries(&pace, 220000));
-    vvi_pace_carried(&pace, 2000, 0.2);
-    vvi_pace_carried(&pace, 20000, 2);
-    vvi_pace_carried(&pace, 20000, 2);
+    vvi_pace_carried(&pace, 2000, 0.2, 0.2);
+    vvi_pace_carried(&pace, 20000, 2, 2);
+    vvi_pace_carried(&pace, 20000, 2, 2);
     assert_in_range(vvi_pace_room(&pace), 50000, 56000);
 }
 
@@ -199,6 +219,7 @@ int main(void)
         cmocka_unit_test(who_reads_ten_kilobytes_a_second_is_slow_but_there),
         cmocka_unit_test(a_picture_at_rest_has_what_a_thin_line_carries_soon),
         cmocka_unit_test(a_line_that_is_mended_is_found_so_by_small_pictures),
+        cmocka_unit_test(a_line_that_begins_fast_is_not_taken_for_a_fast_one),
         cmocka_unit_test(a_page_that_has_much_to_do_is_no_thin_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
