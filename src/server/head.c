@@ -24,11 +24,15 @@ static int refuse(reader *r, int status, const char *why)
     return status;
 }
 
+static bool is_letter_or_digit(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
 /* Letters of names and methods (RFC 9110, "token"). */
 static bool is_token(char c)
 {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           (c && strchr("!#$%&'*+-.^_`|~", c));
+    return is_letter_or_digit(c) || (c && strchr("!#$%&'*+-.^_`|~", c));
 }
 
 static char lower(char c)
@@ -193,6 +197,19 @@ static int read_header(reader *r, char *line)
     return OK;
 }
 
+/* What names a machine and its port (RFC 9112, 3.2); whether it is this one is for others to say. */
+static int read_host(reader *r)
+{
+    static const char signs[] = "-._~!$&'()*+,;=%:[]";
+    const char *host = r->head->host;
+    if (!host)
+        return refuse(r, BAD, "This request does not say which host it is for.\n");
+    for (; *host; host++)
+        if (!is_letter_or_digit(*host) && !strchr(signs, *host))
+            return refuse(r, BAD, "The host that this request is for cannot be read.\n");
+    return OK;
+}
+
 static int read_expectation(reader *r)
 {
     vvi_head *h = r->head;
@@ -264,6 +281,8 @@ int vvi_head_read(vvi_head *out, const char **why, size_t *used, char *bytes, si
     else if (status == 0 && most == VVI_HEAD_MOST)
         status = refuse(&r, TOO_LARGE, "The head of this request is too large.\n");
     *used = end ? (size_t)(end - bytes) : 0;
+    if (status == OK)
+        status = read_host(&r);
     if (status == OK)
         status = read_length(&r);
     if (status == OK)

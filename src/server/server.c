@@ -29,6 +29,7 @@ static void wake(void *user)
 {
     vvi_server *server = user;
     pthread_mutex_lock(&server->waking);
+    atomic_store(&server->woken, true);
     if (!server->gone)
         lws_cancel_service(server->context);
     pthread_mutex_unlock(&server->waking);
@@ -87,9 +88,9 @@ static void tick(lws_sorted_usec_list_t *due)
 
 static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
-    if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
+    if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) { /* at each door; and libwebsockets does it for each connection */
         vvi_server *server = vvi_server_of(wsi);
-        if (server->session) {
+        if (server->session && atomic_exchange(&server->woken, false)) {
             vvi_session_serve(server->session);
             go_round(server);
         }

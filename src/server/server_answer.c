@@ -59,7 +59,7 @@ static void add(vvi_text *text, const char *name, const char *value)
         vvi_text_printf(text, "%s: %s\r\n", name, value);
 }
 
-/* Begins an answer of http->n bytes. */
+/* Begins an answer of http->n bytes; few of them leave with its head. */
 static int begin(vvi_peer *peer, int status, const char *type, const char *extra, const char *value)
 {
     vvi_text text = {0};
@@ -74,7 +74,10 @@ static int begin(vvi_peer *peer, int status, const char *type, const char *extra
         vvi_text_printf(&text, "content-length: %zu\r\n", peer->http->n);
     vvi_text_add(&text, "\r\n");
     char *head = vvi_text_take(&text);
-    const bool fine = head && vvi_peer_put(peer, head, strlen(head), NULL, 0);
+    vvi_http *http = peer->http;
+    const bool is_short = http->bytes && !http->without_body && http->n <= PIECE;
+    http->at = is_short ? http->n : 0;
+    const bool fine = head && vvi_peer_put(peer, head, strlen(head), http->bytes, http->at);
     free(head);
     peer->state = VVI_PEER_ANSWER;
     vvi_peer_expects(peer, ANSWER_SECONDS);
@@ -110,10 +113,20 @@ static bool read_piece(uint8_t *out, size_t n, int fd)
     return true;
 }
 
+static size_t left_of(const vvi_http *http)
+{
+    return http->without_body ? 0 : http->n - http->at;
+}
+
+bool vvi_answer_has_left(const vvi_peer *peer)
+{
+    return !peer->out && left_of(peer->http) == 0 && !lws_partial_buffered(peer->wsi);
+}
+
 int vvi_answer_next(vvi_peer *peer, bool *done)
 {
     vvi_http *http = peer->http;
-    const size_t left = http->without_body ? 0 : http->n - http->at, n = left < PIECE ? left : PIECE;
+    const size_t left = left_of(http), n = left < PIECE ? left : PIECE;
     uint8_t room[PIECE];
     *done = n == 0;
     if (n == 0)
@@ -129,7 +142,6 @@ int vvi_answer_bytes(vvi_peer *peer, int status, const char *type, const void *b
 {
     peer->http->bytes = bytes;
     peer->http->n = n;
-    peer->http->at = 0;
     return begin(peer, status, type, NULL, NULL);
 }
 

@@ -42,7 +42,7 @@ void vvi_doors_pay(vvi_server *server, double since, int64_t now)
 {
     const double seconds = vvi_ration_clock() - since;
     server->paid += seconds;
-    vvi_rations_pay_coming(&server->rations, seconds, 0, now);
+    vvi_rations_pay_coming(&server->rations, seconds + server->of_call, 0, now);
 }
 
 void vvi_doors_pay_visit(vvi_server *server, double seconds, int calls, int64_t now)
@@ -59,6 +59,13 @@ static void learn_of_calls(vvi_server *server)
     server->clock = now;
     server->paid = 0;
     server->calls = 0;
+}
+
+/* libwebsockets opens them whenever a connection has closed. */
+void vvi_doors_stay(vvi_server *server)
+{
+    if (server->is_shut)
+        open_doors(server, false);
 }
 
 int64_t vvi_doors_tick(vvi_server *server, int64_t now)

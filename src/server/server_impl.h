@@ -19,6 +19,7 @@ struct vvi_server {
     struct lws_context *context;
     pthread_mutex_t waking; /* threads of the session wake the loop, until it is gone: */
     bool gone;
+    atomic_bool woken; /* the session has something to say */
     lws_sorted_usec_list_t due;
     bool has_socket; /* a file, to be taken away */
     vvi_gate gate;
@@ -47,9 +48,11 @@ struct vvi_server {
 
 /** A connection comes at a door: it is let in, and others not before it is their turn. False: there are too many. */
 bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now);
-/** Connections that have brought nobody yet took the time since the clock showed `since`. */
+/** Whenever a connection has closed: doors that are shut stay so. */
+void vvi_doors_stay(vvi_server *server);
+/** Connections that have brought nobody yet took the time since the clock showed `since`, and a call of the loop. */
 void vvi_doors_pay(vvi_server *server, double since, int64_t now);
-/** The same of one who has come and gone: `seconds`, and what the loop itself took for its calls. */
+/** One who has come and gone took `seconds`, and so many calls. */
 void vvi_doors_pay_visit(vvi_server *server, double seconds, int calls, int64_t now);
 /** Opens them again when it is time. Nanoseconds until then; INT64_MAX: they are open. */
 int64_t vvi_doors_tick(vvi_server *server, int64_t now);
@@ -80,7 +83,7 @@ typedef struct vvi_peer {
     uint8_t *out;              /* what leaves, LWS_PRE bytes before it; NULL: nothing */
     size_t n_out, at_out;
     int64_t moved;     /* when some of it left */
-    int calls;         /* of the loop */
+    int calls;         /* of the loop, since it is a WebSocket or brings a file */
     size_t passed;     /* bytes that nobody wanted */
     bool let_in;       /* it has shown a token or a cookie that is right */
     bool ends;         /* it is being ended */
@@ -150,6 +153,8 @@ bool vvi_answer_go_on(vvi_peer *peer);
 int vvi_answer_empty(vvi_peer *peer, int status, const char *name, const char *value);
 /** The next piece of the answer into peer->out; *done: there is none. */
 int vvi_answer_next(vvi_peer *peer, bool *done);
+/** Whether all of it has left. */
+bool vvi_answer_has_left(const vvi_peer *peer);
 void vvi_answer_clear(vvi_http *http);
 
 /* These return -1 where the connection ends at once. */

@@ -109,6 +109,17 @@ void vvi_peer_cut(vvi_peer *peer, size_t at, const void *end, size_t n)
     peer->n_out = at + n;
 }
 
+/* Everything has left. To close with bytes that nobody has read would take the answer back: so the other side closes.
+ */
+static int begin_end(vvi_peer *peer)
+{
+    peer->state = VVI_PEER_ENDS;
+    vvi_peer_expects(peer, peer->uploads ? REFUSED_SECONDS : END_SECONDS);
+    vvi_http_free(peer);
+    vvi_socket_free(peer);
+    return lws_is_ssl(peer->wsi) || shutdown(lws_get_socket_fd(peer->wsi), SHUT_WR) == 0 ? 0 : -1;
+}
+
 /* In pieces, so that it is seen whether anything leaves at all. */
 static int send_piece(vvi_peer *peer)
 {
@@ -123,19 +134,10 @@ static int send_piece(vvi_peer *peer)
         free(peer->out);
         peer->out = NULL;
     }
+    if (peer->state == VVI_PEER_ANSWER && vvi_answer_has_left(peer))
+        return begin_end(peer);
     lws_callback_on_writable(peer->wsi); /* for the rest, and to know that this has left */
     return 0;
-}
-
-/* Everything has left. To close with bytes that nobody has read would take the answer back: so the other side closes.
- */
-static int begin_end(vvi_peer *peer)
-{
-    peer->state = VVI_PEER_ENDS;
-    vvi_peer_expects(peer, peer->uploads ? REFUSED_SECONDS : END_SECONDS);
-    vvi_http_free(peer);
-    vvi_socket_free(peer);
-    return lws_is_ssl(peer->wsi) || shutdown(lws_get_socket_fd(peer->wsi), SHUT_WR) == 0 ? 0 : -1;
 }
 
 static int send_more(vvi_peer *peer)
@@ -300,6 +302,7 @@ static int called(struct lws *wsi, enum lws_callback_reasons reason, vvi_peer *p
         return 0;
     case LWS_CALLBACK_WSI_DESTROY:
         vvi_server_of(wsi)->sockets--;
+        vvi_doors_stay(vvi_server_of(wsi));
         return 0;
     case LWS_CALLBACK_RAW_ADOPT:
         if (peer)
@@ -329,13 +332,13 @@ static bool is_of_peer(enum lws_callback_reasons reason)
 int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
     vvi_peer *peer = is_of_peer(reason) ? user : NULL;
-    if (peer && peer->link) {
-        peer->calls++;
-        peer->server->calls++;
-    }
     const bool pays =
         peer && peer->link && (peer->state == VVI_PEER_SOCKET || peer->state == VVI_PEER_BODY || peer->ration.place);
-    if (pays || !peer || reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
+    if (peer)
+        vvi_server_of(wsi)->calls++;
+    if (pays)
+        peer->calls++;
+    if (pays || !peer)
         return called(wsi, reason, user, in, n);
     const double since = vvi_ration_clock();
     const int result = called(wsi, reason, user, in, n);

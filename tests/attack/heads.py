@@ -23,7 +23,8 @@ def hosts(server):
                  f"localhost:{p}\\evil", f" localhost:{p} x", f"localhost :{p}", f"http://localhost:{p}", f"local\xadhost:{p}",
                  f"LOCALHOST.EXAMPLE:{p}", "a" * 300, "a" * 9000, f"localhost:{p}" + "0" * 20, f"localhost:{p}\x00"):
         yield Attack(f"Host {short(host)}", raw("GET / HTTP/1.1", f"Host: {host}"), (400, 403, 431))
-    yield Attack("no Host", raw("GET / HTTP/1.1"), NO)
+    for first in ("GET / HTTP/1.1", "POST /session HTTP/1.1", "GET /ws HTTP/1.1"):
+        yield Attack(f"{first} without Host", raw(first), BAD)
     yield Attack("two Hosts", raw("GET / HTTP/1.1", f"Host: localhost:{p}", "Host: evil.example"), BAD)
     yield Attack("two Hosts, the other way round", raw("GET / HTTP/1.1", "Host: evil.example", f"Host: localhost:{p}"), BAD)
     yield Attack("Host in the target", raw(f"GET http://localhost:{p}/ HTTP/1.1", "Host: evil.example"), NO)

@@ -62,20 +62,42 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         int status;
         const char *text;
     } rows[] = {{400, "GET / HTTP/1.1\r\nHost: a\r\nHost: a\r\n\r\n"},
-                {400, "GET / HTTP/1.1\r\nX: a\r\n b\r\n\r\n"},
-                {400, "GET / HTTP/1.1\r\nX : a\r\n\r\n"},
-                {400, "GET / HTTP/1.1\r\nX\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a\r\nX: a\r\n b\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a\r\nX : a\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a\r\nX\r\n\r\n"},
                 {400, "GET / HTTP/1.1\n\n"},
                 {400, "GET /%0a HTTP/1.1\r\n\r\n"},
                 {400, "GET /%4 HTTP/1.1\r\n\r\n"},
                 {400, "GET /%ff HTTP/1.1\r\n\r\n"},
                 {400, "GET http://a/ HTTP/1.1\r\n\r\n"},
-                {400, "PUT / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 1\r\n\r\n"},
-                {400, "PUT / HTTP/1.1\r\nContent-Length: +1\r\n\r\n"},
-                {400, "PUT / HTTP/1.1\r\nContent-Length:\r\n\r\n"},
-                {400, "PUT / HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n"},
-                {411, "PUT / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n"},
+                {400, "PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 1\r\nContent-Length: 1\r\n\r\n"},
+                {400, "PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: +1\r\n\r\n"},
+                {400, "PUT / HTTP/1.1\r\nHost: a\r\nContent-Length:\r\n\r\n"},
+                {400, "PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n"},
+                {411, "PUT / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n"},
                 {505, "GET / HTTP/1.0\r\n\r\n"}};
+    vvi_head h;
+    size_t used;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (read_text(&h, rows[i].text, &used) != rows[i].status)
+            fail_msg("%s", rows[i].text);
+}
+
+/* Whether it is a name of this server is for others to say. */
+static void a_request_names_its_host(void **state)
+{
+    (void)state;
+    static const struct {
+        int status;
+        const char *text;
+    } rows[] = {{400, "GET / HTTP/1.1\r\n\r\n"},
+                {400, "PUT / HTTP/1.1\r\nContent-Length: 0\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a b\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a/\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: a@b\r\n\r\n"},
+                {400, "GET / HTTP/1.1\r\nHost: <a>\r\n\r\n"},
+                {200, "GET / HTTP/1.1\r\nHost:\r\n\r\n"},
+                {200, "GET / HTTP/1.1\r\nHost: [::1]:80\r\n\r\n"}};
     vvi_head h;
     size_t used;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -111,6 +133,7 @@ int main(void)
         cmocka_unit_test(what_a_page_sends_is_read),
         cmocka_unit_test(a_head_is_waited_for_byte_by_byte),
         cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
+        cmocka_unit_test(a_request_names_its_host),
         cmocka_unit_test(a_head_has_a_size),
         cmocka_unit_test(lists_have_words),
     };
