@@ -145,6 +145,8 @@ def glb(name, image, material, accessor_uv=((0, 1), (1, 1), (1, 0), (0, 0)), fac
     pbr = {"baseColorTexture": {"index": 0}, **(extra or {})}
     if extra and "extensions" in extra:
         pbr = {"baseColorTexture": {"index": 0, **extra}}
+    if not image and not uri:
+        del pbr["baseColorTexture"]
     if factor:
         pbr["baseColorFactor"] = factor
     root = {
@@ -311,6 +313,66 @@ def test_files_beside_are_found_in_the_folder_and_nowhere_else():
                    "property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n")
     told = ok("info", "in/a.ply", "--json")
     assert told.json["textures"] == 0 and "left out" in told.message, told.message
+
+
+def clear_image(n=16):
+    """Red everywhere, and clear in its left half."""
+    pixels = numpy.zeros((n, n, 4), numpy.uint8)
+    pixels[..., 0] = 255
+    pixels[:, n // 2:, 3] = 255
+    return pixels
+
+
+def test_what_is_clear_keeps_its_colour_where_alpha_does_not_count():
+    save("clear.png", clear_image())
+    Image.fromarray(clear_image()).save("clear.webp", lossless=True, exact=True)
+    Image.fromarray(clear_image()).save("clear.tif")
+    for image in ("clear.png", "clear.webp", "clear.tif"):
+        quad(image=image)
+        for method in BOTH:
+            seen = picture("q.obj", "--method", method, "--view", "top", "--parallel", "1.1")
+            assert tuple(seen[75, 40]) == tuple(seen[75, 110]) == (255, 0, 0), (image, method, seen[75, 40])
+    with open("clear.png", "rb") as file:
+        data = file.read()
+    glb("a.glb", data, {})
+    assert tuple(picture("a.glb", "--view", "top", "--parallel", "1.1")[75, 40]) == (255, 0, 0)
+    glb("b.glb", data, {"alphaMode": "BLEND"})
+    ok("convert", "b.glb", "-o", "c.glb")
+    with open("c.glb", "rb") as file:
+        written = file.read()
+    n = struct.unpack("<I", written[12:16])[0]
+    root = json.loads(written[20:20 + n])
+    view = root["bufferViews"][root["images"][0]["bufferView"]]
+    image = Image.open(io.BytesIO(written[28 + n + view["byteOffset"]:][:view["byteLength"]]))
+    assert (numpy.asarray(image.convert("RGBA")) == clear_image()).all(), "what is written has colours where it is clear"
+
+
+def test_the_edge_of_what_is_cut_out_has_no_rim():
+    """Clear texels are black here; what is between them and the disc has the disc's colour all the same."""
+    y, x = numpy.mgrid[0:64, 0:64]
+    pixels = numpy.zeros((64, 64, 4), numpy.uint8)
+    pixels[numpy.hypot(x - 31.5, y - 31.5) < 24] = (200, 200, 200, 255)
+    save("disc.png", pixels)
+    quad(image="disc.png", options="map_d disc.png\n")
+    same = numpy.array([200, 200, 200])
+    for method in BOTH:
+        for spp in (1, 4):
+            ok("render", "q.obj", "--no-shading", "--background", "#c8c8c8", "--size", "151x151", "--view", "25,40", "--method", method, "--spp", spp,
+               "-o", "out.png", "--overwrite")
+            seen = numpy.asarray(Image.open("out.png").convert("RGB")).astype(int)
+            assert abs(seen - same).max() <= 1, (method, spp, abs(seen - same).max())
+
+
+def test_an_image_outside_the_folder_is_said_to_be_there():
+    os.makedirs("in", exist_ok=True)
+    save("outside.png", smooth_image())
+    quad("in/a", "../outside.png")
+    with open("in/a.obj") as file:
+        text = file.read().replace("mtllib in/", "mtllib ")
+    with open("in/a.obj", "w") as file:
+        file.write(text)
+    says(ok("info", "in/a.obj").message, "../outside.png", "leads out of", "--allow-outside")
+    assert ok("info", "in/a.obj", "--allow-outside", "--json").json["textures"] == 1
 
 
 def test_images_that_are_none_are_left_out_with_a_sentence():
