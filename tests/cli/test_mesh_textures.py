@@ -363,6 +363,58 @@ def test_the_edge_of_what_is_cut_out_has_no_rim():
             assert abs(seen - same).max() <= 1, (method, spp, abs(seen - same).max())
 
 
+def test_gltf_alpha_of_factors_and_vertices_counts_as_the_material_says():
+    pixels = numpy.full((4, 4, 4), 255, numpy.uint8)
+    pixels[..., 3] = 150
+    white = [1, 1, 1] * 4
+    for image, colors in ((None, None), (None, white), (encoded(pixels), None)):
+        alpha = 150 / 255 if image else 1
+        for mode, seen in (({}, 255), ({"alphaMode": "MASK"}, 0), ({"alphaMode": "MASK", "alphaCutoff": 0.1}, 255),
+                           ({"alphaMode": "MASK", "alphaCutoff": 0.25 if image else 0.31}, 0), ({"alphaMode": "BLEND"}, encode(numpy.array(0.3 * alpha)))):
+            glb("a.glb", image, mode, factor=[1, 1, 1, 0.3], colors=colors)
+            for method in BOTH:
+                at = picture("a.glb", "--method", method, "--view", "top", "--parallel", "1.1")[75, 75, 0]
+                assert abs(at - seen) <= 2, (bool(image), bool(colors), mode, method, at, seen)
+
+
+def test_colours_of_vertices_that_one_looks_through_come_back_from_gltf():
+    with open("v.ply", "w") as file:
+        file.write("ply\nformat ascii 1.0\ncomment up: z\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n")
+        file.write("0 0 0 255 255 255 90\n1 0 0 255 255 255 90\n0 1 0 255 255 255 90\n3 0 1 2\n")
+    ok("convert", "v.ply", "-o", "v.glb")
+    want, seen = (picture(path, "--view", "top") for path in ("v.ply", "v.glb"))
+    assert want.max() < 200 and abs(want - seen).max() <= 2, (want.max(), seen.max())
+
+
+def test_gltf_images_that_are_not_there_are_left_out_with_their_place():
+    save("tex.png", smooth_image())
+    with open("tex.png", "rb") as file:
+        data = file.read()
+    glb("a.glb", data, {})
+    with open("a.glb", "rb") as file:
+        good = file.read()
+    for old, new, about in ((b'"source": 0', b'"source": 7', "'source' is 7"), (b'"index": 0', b'"index": 7', "'index' is 7")):
+        assert old in good, good[:1500]
+        with open("a.glb", "wb") as file:
+            file.write(good.replace(old, new))
+        told = ok("render", "a.glb", *LOOK, "-o", "out.png", "--overwrite").message
+        says(told, "a.glb", "material 0", "left out", about, "there are 1")
+
+
+def test_places_on_images_that_are_not_there_are_told_with_their_line():
+    save("tex.png", smooth_image())
+    quad()
+    with open("q.obj") as file:
+        text = file.read()
+    with open("q.obj", "w") as file:
+        file.write(text.replace("f 1/1 2/2 3/3 4/4", "f 1/9 2/2 3/0 4/4"))
+    says(ok("info", "q.obj").message, "q.obj", "line 12", "'1/9'", "4 came before it", "1 others")
+    with open("q.obj", "w") as file:
+        file.write(text.replace("f 1/1 2/2", "f 0/0 2/2"))
+    says(fails(3, "info", "q.obj"), "q.obj:12", "vertex '0',", "counted from 1")
+
+
 def test_an_image_outside_the_folder_is_said_to_be_there():
     os.makedirs("in", exist_ok=True)
     save("outside.png", smooth_image())
