@@ -7,7 +7,8 @@
 #include "io/source.h"
 #include <volvis/image.h>
 
-/** vv_image_read() of a source that is open, in this process; it stays open. text_out may be NULL. VV_E_FORMAT: of no
- * known format, or damaged; VV_E_UNSUPPORTED. */
-vv_status vvi_image_read_source(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+/** The image of a source that is open, in this process; it stays open. vv_image.rgba is not multiplied by alpha:
+ * colours are as the file has them, also where alpha is 0, if its format keeps them there. VV_E_FORMAT: of no known
+ * format, or damaged; VV_E_UNSUPPORTED. */
+vv_status vvi_image_read_straight(vv_image **out, vv_source *source, vv_job *job);
 #endif

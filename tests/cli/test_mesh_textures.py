@@ -145,6 +145,8 @@ def glb(name, image, material, accessor_uv=((0, 1), (1, 1), (1, 0), (0, 0)), fac
     pbr = {"baseColorTexture": {"index": 0}, **(extra or {})}
     if extra and "extensions" in extra:
         pbr = {"baseColorTexture": {"index": 0, **extra}}
+    if not image and not uri:
+        del pbr["baseColorTexture"]
     if factor:
         pbr["baseColorFactor"] = factor
     root = {
@@ -311,6 +313,118 @@ def test_files_beside_are_found_in_the_folder_and_nowhere_else():
                    "property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n")
     told = ok("info", "in/a.ply", "--json")
     assert told.json["textures"] == 0 and "left out" in told.message, told.message
+
+
+def clear_image(n=16):
+    """Red everywhere, and clear in its left half."""
+    pixels = numpy.zeros((n, n, 4), numpy.uint8)
+    pixels[..., 0] = 255
+    pixels[:, n // 2:, 3] = 255
+    return pixels
+
+
+def test_what_is_clear_keeps_its_colour_where_alpha_does_not_count():
+    save("clear.png", clear_image())
+    Image.fromarray(clear_image()).save("clear.webp", lossless=True, exact=True)
+    Image.fromarray(clear_image()).save("clear.tif")
+    for image in ("clear.png", "clear.webp", "clear.tif"):
+        quad(image=image)
+        for method in BOTH:
+            seen = picture("q.obj", "--method", method, "--view", "top", "--parallel", "1.1")
+            assert tuple(seen[75, 40]) == tuple(seen[75, 110]) == (255, 0, 0), (image, method, seen[75, 40])
+    with open("clear.png", "rb") as file:
+        data = file.read()
+    glb("a.glb", data, {})
+    assert tuple(picture("a.glb", "--view", "top", "--parallel", "1.1")[75, 40]) == (255, 0, 0)
+    glb("b.glb", data, {"alphaMode": "BLEND"})
+    ok("convert", "b.glb", "-o", "c.glb")
+    with open("c.glb", "rb") as file:
+        written = file.read()
+    n = struct.unpack("<I", written[12:16])[0]
+    root = json.loads(written[20:20 + n])
+    view = root["bufferViews"][root["images"][0]["bufferView"]]
+    image = Image.open(io.BytesIO(written[28 + n + view["byteOffset"]:][:view["byteLength"]]))
+    assert (numpy.asarray(image.convert("RGBA")) == clear_image()).all(), "what is written has colours where it is clear"
+
+
+def test_the_edge_of_what_is_cut_out_has_no_rim():
+    """Clear texels are black here; what is between them and the disc has the disc's colour all the same."""
+    y, x = numpy.mgrid[0:64, 0:64]
+    pixels = numpy.zeros((64, 64, 4), numpy.uint8)
+    pixels[numpy.hypot(x - 31.5, y - 31.5) < 24] = (200, 200, 200, 255)
+    save("disc.png", pixels)
+    quad(image="disc.png", options="map_d disc.png\n")
+    same = numpy.array([200, 200, 200])
+    for method in BOTH:
+        for spp in (1, 4):
+            ok("render", "q.obj", "--no-shading", "--background", "#c8c8c8", "--size", "151x151", "--view", "25,40", "--method", method, "--spp", spp,
+               "-o", "out.png", "--overwrite")
+            seen = numpy.asarray(Image.open("out.png").convert("RGB")).astype(int)
+            assert abs(seen - same).max() <= 1, (method, spp, abs(seen - same).max())
+
+
+def test_gltf_alpha_of_factors_and_vertices_counts_as_the_material_says():
+    pixels = numpy.full((4, 4, 4), 255, numpy.uint8)
+    pixels[..., 3] = 150
+    white = [1, 1, 1] * 4
+    for image, colors in ((None, None), (None, white), (encoded(pixels), None)):
+        alpha = 150 / 255 if image else 1
+        for mode, seen in (({}, 255), ({"alphaMode": "MASK"}, 0), ({"alphaMode": "MASK", "alphaCutoff": 0.1}, 255),
+                           ({"alphaMode": "MASK", "alphaCutoff": 0.25 if image else 0.31}, 0), ({"alphaMode": "BLEND"}, encode(numpy.array(0.3 * alpha)))):
+            glb("a.glb", image, mode, factor=[1, 1, 1, 0.3], colors=colors)
+            for method in BOTH:
+                at = picture("a.glb", "--method", method, "--view", "top", "--parallel", "1.1")[75, 75, 0]
+                assert abs(at - seen) <= 2, (bool(image), bool(colors), mode, method, at, seen)
+
+
+def test_colours_of_vertices_that_one_looks_through_come_back_from_gltf():
+    with open("v.ply", "w") as file:
+        file.write("ply\nformat ascii 1.0\ncomment up: z\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n")
+        file.write("0 0 0 255 255 255 90\n1 0 0 255 255 255 90\n0 1 0 255 255 255 90\n3 0 1 2\n")
+    ok("convert", "v.ply", "-o", "v.glb")
+    want, seen = (picture(path, "--view", "top") for path in ("v.ply", "v.glb"))
+    assert want.max() < 200 and abs(want - seen).max() <= 2, (want.max(), seen.max())
+
+
+def test_gltf_images_that_are_not_there_are_left_out_with_their_place():
+    save("tex.png", smooth_image())
+    with open("tex.png", "rb") as file:
+        data = file.read()
+    glb("a.glb", data, {})
+    with open("a.glb", "rb") as file:
+        good = file.read()
+    for old, new, about in ((b'"source": 0', b'"source": 7', "'source' is 7"), (b'"index": 0', b'"index": 7', "'index' is 7")):
+        assert old in good, good[:1500]
+        with open("a.glb", "wb") as file:
+            file.write(good.replace(old, new))
+        told = ok("render", "a.glb", *LOOK, "-o", "out.png", "--overwrite").message
+        says(told, "a.glb", "material 0", "left out", about, "there are 1")
+
+
+def test_places_on_images_that_are_not_there_are_told_with_their_line():
+    save("tex.png", smooth_image())
+    quad()
+    with open("q.obj") as file:
+        text = file.read()
+    with open("q.obj", "w") as file:
+        file.write(text.replace("f 1/1 2/2 3/3 4/4", "f 1/9 2/2 3/0 4/4"))
+    says(ok("info", "q.obj").message, "q.obj", "line 12", "'1/9'", "4 came before it", "1 others")
+    with open("q.obj", "w") as file:
+        file.write(text.replace("f 1/1 2/2", "f 0/0 2/2"))
+    says(fails(3, "info", "q.obj"), "q.obj:12", "vertex '0',", "counted from 1")
+
+
+def test_an_image_outside_the_folder_is_said_to_be_there():
+    os.makedirs("in", exist_ok=True)
+    save("outside.png", smooth_image())
+    quad("in/a", "../outside.png")
+    with open("in/a.obj") as file:
+        text = file.read().replace("mtllib in/", "mtllib ")
+    with open("in/a.obj", "w") as file:
+        file.write(text)
+    says(ok("info", "in/a.obj").message, "../outside.png", "leads out of", "--allow-outside")
+    assert ok("info", "in/a.obj", "--allow-outside", "--json").json["textures"] == 1
 
 
 def test_images_that_are_none_are_left_out_with_a_sentence():

@@ -87,6 +87,9 @@ typedef struct vv_image_format {
     int32_t side_most; /**< pixels that a side can have; 0: as many as images */
     bool lossy;        /**< a quality below 100 makes the file smaller */
     bool paper;        /**< it says how many pixels an inch has */
+    /** Colours as the file has them, not multiplied by alpha: those of alpha 0 too, which images on triangles need.
+     * NULL: the format has none but those that read() gives. */
+    vv_status (*read_straight)(vv_image **out, vv_source *source, vv_job *job);
 } vv_image_format;
 
 /** What a mesh file can hold beside places and triangles; bits of a set. */

@@ -10,6 +10,7 @@ typedef struct vvi_codes {
     const vv_image *image;
     int channels;  /**< 3: colours; 4: with alpha; 1: alpha alone */
     bool straight; /**< 3: colours are not multiplied by alpha. 4 always are so */
+    bool apart;    /**< the image's own colours are not multiplied by alpha */
     int bits;      /**< 8 or 16: two bytes, the high one first */
     const vvi_srgb_table *table;
 } vvi_codes;

@@ -296,11 +296,26 @@ static vv_status read_source(vv_image **out, vv_text **text_out, size_t *n_text_
     return format->read(out, text_out, n_text_out, source, job);
 }
 
-vv_status vvi_image_read_source(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job)
+/* Where alpha is 0 there is no colour. */
+static void divide_alpha(vv_image *image)
+{
+    const size_t n = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < 4 * n; i += 4)
+        for (size_t c = 0; c < 3 && image->rgba[i + 3] > 0; c++)
+            image->rgba[i + c] /= image->rgba[i + 3];
+}
+
+vv_status vvi_image_read_straight(vv_image **out, vv_source *source, vv_job *job)
 {
     const vv_image_format *format = format_of_source(source, job);
     *out = NULL;
-    return format ? read_source(out, text_out, n_text_out, source, format, job) : fail_unknown(vvi_source_name(source));
+    if (format && format->read_straight)
+        return format->read_straight(out, source, job);
+    const vv_status st =
+        format ? read_source(out, NULL, NULL, source, format, job) : fail_unknown(vvi_source_name(source));
+    if (st == VV_OK)
+        divide_alpha(*out);
+    return st;
 }
 
 static vv_status open_image(vv_source **source_out, const vv_image_format **format_out, const char *path, vv_job *job)

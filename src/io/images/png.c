@@ -48,6 +48,7 @@ const vv_image_format vvi_image_format_png = {
     .write = vvi_png_write,
     .write_rows = vvi_png_write_rows,
     .read = vvi_png_read,
+    .read_straight = vvi_png_read_straight,
     .read_text = vvi_png_read_text,
     .bits = bits,
     .paper = true,

@@ -24,5 +24,8 @@ bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user);
 vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job);
 vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
 vv_status vvi_png_read(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+/** Colours that are not multiplied by alpha: those of alpha 0 too. */
+vv_status vvi_png_write_straight(vv_sink *sink, const vv_image *image, vv_job *job);
+vv_status vvi_png_read_straight(vv_image **out, vv_source *source, vv_job *job);
 vv_status vvi_png_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
 #endif

@@ -22,6 +22,7 @@ typedef struct reader {
     vvi_png_error error;
     int32_t width, height;
     bool wide;        /* 16 bits a channel */
+    bool straight;    /* colours are not multiplied by alpha */
     size_t coded_row; /* bytes of a row in the file, before deflate */
     uint8_t *pixels;
     png_bytep *row;
@@ -160,7 +161,7 @@ static vv_status convert_row(void *scratch, void *user, size_t y)
             code[k] = r->wide ? (unsigned)in[2 * (x + k)] << 8 | in[2 * (x + k) + 1] : in[x + k];
         const float a = (float)code[3] / (r->wide ? 65535 : 255);
         for (int k = 0; k < 3; k++)
-            out[x + k] = c->linear[code[k]] * a;
+            out[x + k] = c->linear[code[k]] * (r->straight ? 1 : a);
         out[x + 3] = a;
     }
     return VV_OK;
@@ -212,6 +213,15 @@ vv_status vvi_png_read(vv_image **out, vv_text **text_out, size_t *n_text_out, v
         vv_image_release(*out);
         *out = NULL;
     }
+    close_reader(&r);
+    return st;
+}
+
+vv_status vvi_png_read_straight(vv_image **out, vv_source *source, vv_job *job)
+{
+    reader r = {.source = source, .job = job, .straight = true};
+    *out = NULL;
+    const vv_status st = read_image(out, &r);
     close_reader(&r);
     return st;
 }

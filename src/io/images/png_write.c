@@ -166,7 +166,9 @@ static vv_status write_file(writer *w)
     return st;
 }
 
-vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
+/* apart: colours of the rows are not multiplied by alpha. */
+static vv_status write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, bool apart,
+                            vv_job *job)
 {
     vvi_srgb_table table;
     writer w = {.sink = sink, .options = options, .rows = rows, .job = job};
@@ -175,6 +177,7 @@ vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_
     w.codes = (vvi_codes){
         .image = &sizes,
         .channels = options->alpha && rows->transparent ? 4 : 3,
+        .apart = apart,
         .bits = options->bits,
         .table = &table,
     };
@@ -188,6 +191,11 @@ vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_
     return st;
 }
 
+vv_status vvi_png_write_rows(vv_sink *sink, const vv_image_rows *rows, const vv_image_options *options, vv_job *job)
+{
+    return write_rows(sink, rows, options, false, job);
+}
+
 static vv_status all_rows(void *user, const vv_image **out, vv_job *job)
 {
     (void)job;
@@ -195,7 +203,8 @@ static vv_status all_rows(void *user, const vv_image **out, vv_job *job)
     return VV_OK;
 }
 
-vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job)
+static vv_status write_image(vv_sink *sink, const vv_image *image, const vv_image_options *options, bool apart,
+                             vv_job *job)
 {
     const vv_image_rows rows = {
         .width = image->width,
@@ -204,5 +213,18 @@ vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_opt
         .next = all_rows,
         .user = (void *)image,
     };
-    return vvi_png_write_rows(sink, &rows, options, job);
+    return write_rows(sink, &rows, options, apart, job);
+}
+
+vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job)
+{
+    return write_image(sink, image, options, false, job);
+}
+
+vv_status vvi_png_write_straight(vv_sink *sink, const vv_image *image, vv_job *job)
+{
+    vv_image_options options;
+    vv_image_options_init(&options, sizeof options);
+    options.bits = 8;
+    return write_image(sink, image, &options, true, job);
 }

@@ -31,6 +31,7 @@ const vv_image_format vvi_image_format_tiff = {
     .probe = vvi_tiff_image_probe,
     .write = vvi_tiff_image_write,
     .read = vvi_tiff_image_read,
+    .read_straight = vvi_tiff_image_read_straight,
     .read_text = vvi_tiff_image_read_text,
     .bits = bits,
     .paper = true,

@@ -16,5 +16,6 @@ int vvi_tiff_image_probe(const uint8_t *head, size_t n, const char *path);
 vv_status vvi_tiff_image_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
 /** The first page, of grey or colours. */
 vv_status vvi_tiff_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+vv_status vvi_tiff_image_read_straight(vv_image **out, vv_source *source, vv_job *job);
 vv_status vvi_tiff_image_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
 #endif

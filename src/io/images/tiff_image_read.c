@@ -20,6 +20,7 @@ typedef struct reader {
     vv_field_info info;
     float *linear; /* by code */
     int alpha;     /* 0: none */
+    bool straight; /* colours are not to be multiplied by it */
 } reader;
 
 static const vvi_tiff_page *page_of(const reader *r)
@@ -90,8 +91,10 @@ static void take_pixel(float *rgba, const reader *r, const float *v, int n)
         float light = v[colors == 3 ? c : 0];
         if (r->info.type != VV_TYPE_F32 && r->alpha == MULTIPLIED && a > 0) /* the codes were multiplied */
             light = (float)vv_srgb_decode(light < a ? light / a : 1) * a;
-        else if (known && r->alpha == SEPARATE)
+        else if (known && r->alpha == SEPARATE && !r->straight)
             light *= a;
+        if (r->straight && r->alpha == MULTIPLIED && a > 0)
+            light /= a;
         rgba[c] = light;
     }
     rgba[3] = a;
@@ -185,6 +188,18 @@ vv_status vvi_tiff_image_read(vv_image **out, vv_text **text_out, size_t *n_text
         vv_image_release(*out);
         *out = NULL;
     }
+    vvi_tiff_free(r.tiff);
+    vvi_free(r.linear);
+    return st;
+}
+
+vv_status vvi_tiff_image_read_straight(vv_image **out, vv_source *source, vv_job *job)
+{
+    reader r = {.source = source, .job = job, .straight = true};
+    *out = NULL;
+    vv_status st = open_page(&r);
+    if (st == VV_OK)
+        st = read_image(out, &r);
     vvi_tiff_free(r.tiff);
     vvi_free(r.linear);
     return st;

@@ -23,6 +23,7 @@ const vv_image_format vvi_image_format_webp = {
     .probe = probe,
     .write = vvi_webp_write,
     .read = vvi_webp_read,
+    .read_straight = vvi_webp_read_straight,
     .read_text = vvi_webp_read_text,
     .bits = bits,
     .lossy = true,

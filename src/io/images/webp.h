@@ -8,5 +8,6 @@
 
 vv_status vvi_webp_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
 vv_status vvi_webp_read(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+vv_status vvi_webp_read_straight(vv_image **out, vv_source *source, vv_job *job);
 vv_status vvi_webp_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
 #endif

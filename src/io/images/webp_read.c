@@ -17,6 +17,7 @@ typedef struct reader {
     size_t n;
     int width, height;
     uint8_t *pixels; /* RGBA */
+    bool straight;   /* colours are not multiplied by alpha */
 } reader;
 
 static vv_status bad(const reader *r, const char *what)
@@ -83,7 +84,7 @@ static vv_status to_image(vv_image **out, const reader *r)
         const uint8_t *p = r->pixels + 4 * i;
         const float a = (float)p[3] / 255;
         for (int c = 0; c < 3; c++)
-            image->rgba[4 * i + (size_t)c] = linear[p[c]] * a;
+            image->rgba[4 * i + (size_t)c] = linear[p[c]] * (r->straight ? 1 : a);
         image->rgba[4 * i + 3] = a;
     }
     *out = image;
@@ -101,6 +102,18 @@ vv_status vvi_webp_read(vv_image **out, vv_text **text_out, size_t *n_text_out, 
         vv_image_release(*out);
         *out = NULL;
     }
+    vvi_free(r.pixels);
+    vvi_free(r.data);
+    return st;
+}
+
+vv_status vvi_webp_read_straight(vv_image **out, vv_source *source, vv_job *job)
+{
+    reader r = {.source = source, .job = job, .straight = true};
+    *out = NULL;
+    vv_status st = vvi_image_bytes(&r.data, &r.n, source, job);
+    if (st == VV_OK && (st = decode(&r)) == VV_OK)
+        st = to_image(out, &r);
     vvi_free(r.pixels);
     vvi_free(r.data);
     return st;

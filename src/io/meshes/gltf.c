@@ -23,14 +23,18 @@ const vv_affine vvi_gltf_to_volvis = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0,
 typedef struct attributes {
     size_t position, normal, color, value, coordinate;
     bool has_position, has_normal, has_color, has_value, has_coordinate;
-    double factor[4];      /* of colours */
+    double factor[4];        /* of colours */
+    vvi_texture_alpha alpha; /* what that of colours means */
+    double cutoff;
     double to_image[2][3]; /* coordinates there to those here: rows */
 } attributes;
 
 /* What a primitive's triangles look like. */
 typedef struct material {
     double factor[4], color[4];
-    bool colored; /* color is there: the factor, or what our own writer noted of a part beside colours of vertices */
+    vvi_texture_alpha alpha;
+    double cutoff; /* of MASK */
+    bool colored;  /* color is there: the factor, or what our own writer noted of a part beside colours of vertices */
     int64_t coordinates; /* number of the attribute */
     double to_image[2][3];
     size_t texture; /* as in vv_mesh_part */
@@ -130,7 +134,9 @@ static bool same_attributes(const reader *r, const attributes *a, const vv_affin
     return l->has_position && a->has_position && l->position == a->position && l->has_normal == a->has_normal &&
            l->normal == a->normal && l->has_color == a->has_color && l->color == a->color &&
            l->has_value == a->has_value && l->value == a->value && l->has_coordinate == a->has_coordinate &&
-           l->coordinate == a->coordinate && (!r->any_colors || same_numbers(l->factor, a->factor, 4)) &&
+           l->coordinate == a->coordinate &&
+           (!r->any_colors ||
+            (same_numbers(l->factor, a->factor, 4) && l->alpha == a->alpha && l->cutoff == a->cutoff)) &&
            same_numbers(l->to_image[0], a->to_image[0], 6) && same_map(&r->last_map, map);
 }
 
@@ -172,6 +178,12 @@ static vv_status put_normals(reader *r, const attributes *a, const vv_affine *ma
     return VV_OK;
 }
 
+/* Opacity of what has this alpha. */
+static double opacity_of(double alpha, vvi_texture_alpha means, double cutoff)
+{
+    return means == VVI_TEXTURE_BLEND ? alpha : means == VVI_TEXTURE_OPAQUE || alpha >= cutoff ? 1 : 0;
+}
+
 /* Linear there, sRGB here; times the material's. */
 static vv_status put_colors(reader *r, const attributes *a)
 {
@@ -187,6 +199,7 @@ static vv_status put_colors(reader *r, const attributes *a)
         vv_color color = {f[0], f[1], f[2], f[3]};
         if (v)
             color = (vv_color){f[0] * v[0], f[1] * v[1], f[2] * v[2], n.components == 4 ? f[3] * v[3] : f[3]};
+        color.a = opacity_of(color.a, a->alpha, a->cutoff);
         vvi_mesh_bytes_of(r->b.arrays.colors + 4 * (r->first_vertex + i), &color);
     }
     vvi_free(n.v);
@@ -247,6 +260,8 @@ static vv_status find_attributes(attributes *out, const reader *r, const json_t 
     vv_status st;
     *out = (attributes){0};
     memcpy(out->factor, m->factor, sizeof out->factor);
+    out->alpha = m->alpha;
+    out->cutoff = m->cutoff;
     memcpy(out->to_image, m->to_image, sizeof out->to_image);
     snprintf(coordinates, sizeof coordinates, "TEXCOORD_%lld", (long long)m->coordinates);
     if ((st = vvi_gltf_index(&r->g, list, "POSITION", n, &out->position, &out->has_position)) == VV_OK &&
@@ -293,13 +308,11 @@ static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t
 
 /* Materials ------------------------------------------------------------------------------------------------------- */
 
-static vvi_texture_use use_of(const reader *r, const json_t *of, const json_t *texture)
+static vvi_texture_use use_of(const reader *r, const material *m, const json_t *texture)
 {
     enum { CLAMP = 33071, MIRROR = 33648 };
     static const char *const keys[2] = {"wrapS", "wrapT"};
-    const char *alpha = json_string_value(json_object_get(of, "alphaMode"));
-    const json_t *cutoff = json_object_get(of, "alphaCutoff");
-    vvi_texture_use use = {.alpha = VVI_TEXTURE_OPAQUE, .cutoff = 0.5};
+    vvi_texture_use use = {.alpha = m->alpha, .cutoff = m->cutoff};
     int64_t at, code;
     const json_t *sampler = NULL;
     if (vvi_json_whole(&at, json_object_get(texture, "sampler")) && at >= 0)
@@ -307,12 +320,6 @@ static vvi_texture_use use_of(const reader *r, const json_t *of, const json_t *t
     for (int k = 0; k < 2; k++)
         if (vvi_json_whole(&code, json_object_get(sampler, keys[k])))
             use.wrap[k] = code == CLAMP ? VV_WRAP_CLAMP : code == MIRROR ? VV_WRAP_MIRROR : VV_WRAP_REPEAT;
-    if (alpha && strcmp(alpha, "BLEND") == 0)
-        use.alpha = VVI_TEXTURE_BLEND;
-    else if (alpha && strcmp(alpha, "MASK") == 0)
-        use.alpha = VVI_TEXTURE_MASK;
-    if (cutoff && (!vvi_json_real(&use.cutoff, cutoff) || !(use.cutoff >= 0)))
-        use.cutoff = 0.5;
     return use;
 }
 
@@ -383,22 +390,66 @@ static void take_transform(material *m, const json_t *info)
     memcpy(m->to_image, rows, sizeof rows);
 }
 
-static vv_status read_texture(material *m, reader *r, const json_t *of, const json_t *info)
+/* The texture of a material, and its image; NULL: none. */
+static vv_status find_image(const json_t **texture, const json_t **image, const reader *r, const json_t *info)
 {
     const json_t *textures = json_object_get(r->g.root, "textures"), *images = json_object_get(r->g.root, "images");
-    size_t index, image;
+    size_t index;
     bool there;
+    *image = NULL;
+    vv_status st = vvi_gltf_index(&r->g, info, "index", json_array_size(textures), &index, &there);
+    if (st != VV_OK || !there)
+        return st;
+    *texture = json_array_get(textures, index);
+    st = vvi_gltf_index(&r->g, *texture, "source", json_array_size(images), &index, &there);
+    if (st == VV_OK && there)
+        *image = json_array_get(images, index);
+    return st;
+}
+
+static vv_status read_texture(material *m, reader *r, size_t number, const json_t *info)
+{
+    const json_t *texture, *image;
     int64_t set;
     if (vvi_json_whole(&set, json_object_get(info, "texCoord")) && set >= 0)
         m->coordinates = set;
     take_transform(m, info);
-    vv_status st = vvi_gltf_index(&r->g, info, "index", json_array_size(textures), &index, &there);
-    if (st != VV_OK || !there || r->counting)
+    if (r->counting)
+        return VV_OK;
+    const vv_status st = find_image(&texture, &image, r, info);
+    if (st == VV_E_FORMAT)
+        return vvi_notes_warn(r->notes, "the image of material %zu (counted from 0) is left out: %.200s", number,
+                              vv_error_last()->message);
+    if (st != VV_OK || !image)
         return st;
-    const json_t *texture = json_array_get(textures, index);
-    const vvi_texture_use use = use_of(r, of, texture);
-    st = vvi_gltf_index(&r->g, texture, "source", json_array_size(images), &image, &there);
-    return st == VV_OK && there ? read_image(&m->texture, r, json_array_get(images, image), &use) : st;
+    const vvi_texture_use use = use_of(r, m, texture);
+    return read_image(&m->texture, r, image, &use);
+}
+
+static void take_alpha(material *m, const json_t *of)
+{
+    const char *mode = json_string_value(json_object_get(of, "alphaMode"));
+    const json_t *cutoff = json_object_get(of, "alphaCutoff");
+    m->alpha = VVI_TEXTURE_OPAQUE;
+    if (mode && strcmp(mode, "BLEND") == 0)
+        m->alpha = VVI_TEXTURE_BLEND;
+    else if (mode && strcmp(mode, "MASK") == 0)
+        m->alpha = VVI_TEXTURE_MASK;
+    if (!cutoff || !vvi_json_real(&m->cutoff, cutoff) || !(m->cutoff >= 0))
+        m->cutoff = 0.5;
+}
+
+/* An image of MASK is cut off together with the factor's alpha, which comes to cutting it off at another value. */
+static void settle_alpha(material *m, bool image)
+{
+    double *a = &m->factor[3];
+    if (m->alpha == VVI_TEXTURE_OPAQUE)
+        *a = 1;
+    if (m->alpha == VVI_TEXTURE_MASK && image) {
+        m->cutoff = *a > 0 ? m->cutoff / *a : m->cutoff > 0 ? 2 : 0;
+        *a = 1;
+    }
+    m->color[3] = image ? *a : opacity_of(*a, m->alpha, m->cutoff);
 }
 
 static vv_status find_material(material *out, reader *r, const json_t *primitive)
@@ -406,7 +457,7 @@ static vv_status find_material(material *out, reader *r, const json_t *primitive
     const json_t *materials = json_object_get(r->g.root, "materials");
     size_t index;
     bool there;
-    *out = (material){.factor = {1, 1, 1, 1}, .to_image = {{1, 0, 0}, {0, -1, 1}}};
+    *out = (material){.factor = {1, 1, 1, 1}, .alpha = VVI_TEXTURE_OPAQUE, .to_image = {{1, 0, 0}, {0, -1, 1}}};
     const vv_status st = vvi_gltf_index(&r->g, primitive, "material", json_array_size(materials), &index, &there);
     if (st != VV_OK || !there)
         return st;
@@ -414,10 +465,12 @@ static vv_status find_material(material *out, reader *r, const json_t *primitive
     double v[4];
     if (numbers_at(v, 4, pbr, "baseColorFactor"))
         memcpy(out->factor, v, sizeof v);
-    out->colored = numbers_at(out->color, 4, pbr, "baseColorFactor") ||
-                   numbers_at(out->color, 4, json_object_get(json_object_get(of, "extras"), "volvis"), "color");
     const json_t *info = json_object_get(pbr, "baseColorTexture");
-    return info ? read_texture(out, r, of, info) : VV_OK;
+    out->colored = numbers_at(out->color, 4, pbr, "baseColorFactor");
+    take_alpha(out, of);
+    settle_alpha(out, info != NULL);
+    out->colored |= numbers_at(out->color, 4, json_object_get(json_object_get(of, "extras"), "volvis"), "color");
+    return info ? read_texture(out, r, index, info) : VV_OK;
 }
 
 static vv_status begin_part(reader *r, const material *m, const char *name)

@@ -31,7 +31,9 @@ vv_status vvi_gltf_index(const vvi_gltf *g, const json_t *object, const char *ke
     if (!value)
         return VV_OK;
     if (!vvi_json_whole(&v, value) || v < 0 || (uint64_t)v >= n)
-        return vvi_gltf_fail(g, "'%s' is not the number of one of the %zu that there are", key, n);
+        return vvi_json_whole(&v, value)
+                   ? vvi_gltf_fail(g, "'%s' is %lld, but there are %zu, counted from 0", key, (long long)v, n)
+                   : vvi_gltf_fail(g, "'%s' is not the number of one of the %zu that there are", key, n);
     *out = (size_t)v;
     return VV_OK;
 }

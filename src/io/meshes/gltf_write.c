@@ -148,6 +148,14 @@ static bool is_translucent(const vv_mesh_texture *t)
     return some;
 }
 
+static bool has_faint_colors(const vv_mesh_info *m)
+{
+    bool some = false;
+    for (size_t i = 0; m->colors && i < m->n_vertices && !some; i++)
+        some = m->colors[4 * i + 3] < 255;
+    return some;
+}
+
 static int wrap_code(int wrap)
 {
     enum { REPEAT = 10497, CLAMP = 33071, MIRROR = 33648 };
@@ -192,6 +200,7 @@ static void add_meshes(writer *w, const char *attributes, int first_indices)
         vvi_text_printf(&w->json, ",\"primitives\":[{\"attributes\":{%s},\"indices\":%d,\"material\":%zu}]}",
                         attributes, first_indices + (int)i, i);
     }
+    const bool faint = has_faint_colors(w->m);
     vvi_text_add(&w->json, "],\"materials\":[");
     for (size_t i = 0; i < n_meshes(w); i++) {
         const vv_color *c = w->m->n_parts ? &w->m->parts[i].color : NULL;
@@ -204,7 +213,8 @@ static void add_meshes(writer *w, const char *attributes, int first_indices)
         const size_t texture = w->images && w->m->n_parts ? w->m->parts[i].texture : 0;
         if (texture)
             vvi_text_printf(&w->json, "\"baseColorTexture\":{\"index\":%zu},", texture - 1);
-        const bool blend = (colored && !noted && c->a < 1) || (texture && is_translucent(&w->m->textures[texture - 1]));
+        const bool blend =
+            faint || (colored && !noted && c->a < 1) || (texture && is_translucent(&w->m->textures[texture - 1]));
         vvi_text_printf(&w->json, "\"metallicFactor\":0,\"roughnessFactor\":0.6}%s",
                         blend ? ",\"alphaMode\":\"BLEND\"" : "");
         if (noted) {

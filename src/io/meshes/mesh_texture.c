@@ -4,6 +4,7 @@
 #include "core/text.h"
 #include "io/image_source.h"
 #include "io/images/image_codes.h"
+#include "io/images/png.h"
 #include "io/scan.h"
 #include "io/sink.h"
 
@@ -19,7 +20,7 @@ static void put_pixels(uint8_t *out, const vv_image *image, const vvi_texture_us
 {
     vvi_srgb_table table;
     vvi_srgb_table_init(&table);
-    const vvi_codes codes = {.image = image, .channels = 4, .straight = true, .bits = 8, .table = &table};
+    const vvi_codes codes = {.image = image, .channels = 4, .apart = true, .bits = 8, .table = &table};
     for (int32_t y = 0; y < image->height; y++, out += vvi_codes_row_bytes(&codes)) {
         vvi_codes_row(out, &codes, y);
         for (size_t x = 0; x < (size_t)image->width && use->alpha != VVI_TEXTURE_BLEND; x++) {
@@ -71,7 +72,7 @@ vv_status vvi_mesh_texture_read(size_t *out, vvi_mesh_builder *b, vv_source *sou
     if (n == TEXTURES_MOST)
         return vvi_notes_warn(notes, "has more than %d images on its triangles; '%.100s' is left out", TEXTURES_MOST,
                               name);
-    vv_status st = vvi_image_read_source(&image, NULL, NULL, source, b->job);
+    vv_status st = vvi_image_read_straight(&image, source, b->job);
     if (st == VV_E_FORMAT || st == VV_E_UNSUPPORTED)
         return leave_out(name, notes);
     if (st == VV_OK)
@@ -93,8 +94,11 @@ vv_status vvi_mesh_texture_find(size_t *out, vvi_mesh_builder *b, const char *na
         local[i] = (char)(name[i] == '\\' ? '/' : name[i]);
     const char *slash = strrchr(local, '/');
     vv_status st = vvi_source_find_beside(&source, b->source, local, b->job);
-    if (slash && ((st == VV_OK && !source) || st == VV_E_READ))
+    const bool refused = st == VV_E_READ;
+    if (slash && ((st == VV_OK && !source) || refused))
         st = vvi_source_find_beside(&source, b->source, slash + 1, b->job);
+    if (st == VV_OK && !source && refused) /* it may well be there: say why it was not taken */
+        st = vvi_source_find_beside(&source, b->source, local, b->job);
     if (st == VV_E_READ || st == VV_E_UNSUPPORTED)
         return leave_out(name, notes);
     if (st != VV_OK)
@@ -111,6 +115,7 @@ vv_status vvi_mesh_texture_find(size_t *out, vvi_mesh_builder *b, const char *na
 vv_status vvi_mesh_texture_encode(uint8_t **out, size_t *n_out, const vv_mesh_texture *t, vv_job *job)
 {
     vv_image *image;
+    vv_sink *sink = NULL;
     *out = NULL;
     vv_status st = vv_image_new(&image, t->width, t->height, 0, job);
     const size_t n = (size_t)t->width * (size_t)t->height;
@@ -121,14 +126,15 @@ vv_status vvi_mesh_texture_encode(uint8_t **out, size_t *n_out, const vv_mesh_te
         light[i] = (float)vv_srgb_decode(i / 255.0);
     for (size_t i = 0; i < n; i++) {
         const uint8_t *p = t->pixels + 4 * i;
-        const float a = (float)p[3] / 255;
         for (size_t c = 0; c < 3; c++)
-            image->rgba[4 * i + c] = a * light[p[c]];
-        image->rgba[4 * i + 3] = a;
+            image->rgba[4 * i + c] = light[p[c]];
+        image->rgba[4 * i + 3] = (float)p[3] / 255;
     }
-    vv_image_options options;
-    vv_image_options_init(&options, sizeof options);
-    st = vv_image_encode(out, n_out, ".png", image, &options, job);
+    st = vvi_sink_open_memory(&sink, "image.png", job);
+    if (st == VV_OK && (st = vvi_png_write_straight(sink, image, job)) == VV_OK)
+        st = vvi_sink_take(out, n_out, sink);
+    else if (sink)
+        vvi_sink_abandon(sink);
     vv_image_release(image);
     return st;
 }

@@ -8,6 +8,7 @@
 #include "registry.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct reader {
@@ -19,7 +20,12 @@ typedef struct reader {
     uint32_t *normal_of;           /* of each vertex: vn + 1 that it had last, 0: none */
     uint32_t *corner, *coordinate; /* of a face, and their coordinates on textures */
     size_t n_normals, room_normals, room_normal_of, room_corner, room_coordinate;
-    uint64_t n_lost;  /* corners that name coordinates that there are not */
+    uint64_t n_lost; /* corners that name coordinates that there are not */
+    struct {
+        unsigned long long line;
+        char corner[41];
+        size_t n;     /* that came before it */
+    } lost;           /* the first of them */
     size_t n_mixed;   /* corners whose vertex had another normal before */
     uint64_t n_other; /* lines of points, curves and other things */
     char group[64], material[64];
@@ -131,6 +137,35 @@ static vv_status use_normal(reader *r, size_t vertex, size_t normal)
     return VV_OK;
 }
 
+/* text: what stands in the place of a number of one of `there`, and what follows it. */
+static vv_status fail_index(const reader *r, const char *what, const char *text, size_t n, size_t there)
+{
+    const char *slash = memchr(text, '/', n);
+    const size_t own = slash ? (size_t)(slash - text) : n;
+    return vvi_words_fail(&r->words, "a face names %s '%.*s', but %zu came before it, counted from 1", what,
+                          (int)(own < 40 ? own : 40), text, there);
+}
+
+static void note_lost(reader *r, const char *word, size_t n, size_t there)
+{
+    if (r->n_lost++)
+        return;
+    r->lost.line = (unsigned long long)r->words.line;
+    snprintf(r->lost.corner, sizeof r->lost.corner, "%.*s", (int)(n < 40 ? n : 40), word);
+    r->lost.n = there;
+}
+
+static vv_status warn_of_lost(const reader *r)
+{
+    char others[64] = "";
+    if (r->n_lost > 1)
+        snprintf(others, sizeof others, ", as do %" PRIu64 " others", r->n_lost - 1);
+    return vvi_notes_warn(r->notes,
+                          "line %llu: the corner '%s' of a face names a texture coordinate (its second number) that "
+                          "does not exist: %zu came before it, counted from 1; it gets the place 0 0%s",
+                          r->lost.line, r->lost.corner, r->lost.n, others);
+}
+
 /* v, v/vt, v//vn or v/vt/vn. */
 static vv_status read_corner(reader *r, uint32_t *out, uint32_t *coordinate, const char *word, size_t n)
 {
@@ -139,24 +174,24 @@ static vv_status read_corner(reader *r, uint32_t *out, uint32_t *coordinate, con
     size_t vertex, normal, of;
     *coordinate = 0;
     if (!scan_index(&vertex, &at, r->b.info.n_vertices))
-        return vvi_words_fail(&r->words, "a face names vertex '%.*s', but %zu came before it", (int)(n < 40 ? n : 40),
-                              word, r->b.info.n_vertices);
+        return fail_index(r, "vertex", word, n, r->b.info.n_vertices);
     *out = (uint32_t)vertex;
     if (at[0] != '/')
         return at == word + n ? VV_OK : vvi_words_fail(&r->words, "'%.40s' is not a corner of a face", word);
     at++;
-    if (at < word + n && *at != '/' && scan_index(&of, &at, n_coordinates))
-        *coordinate = (uint32_t)of + 1;
-    else
-        r->n_lost += at < word + n && *at != '/';
+    if (at < word + n && *at != '/') {
+        if (scan_index(&of, &at, n_coordinates))
+            *coordinate = (uint32_t)of + 1;
+        else
+            note_lost(r, word, n, n_coordinates);
+    }
     while (at < word + n && *at != '/')
         at++;
     if (at == word + n)
         return VV_OK;
-    at++;
+    const char *third = ++at;
     if (!scan_index(&normal, &at, r->n_normals) || at != word + n)
-        return vvi_words_fail(&r->words, "a face names normal '%.*s', but %zu came before it", (int)(n < 40 ? n : 40),
-                              word, r->n_normals);
+        return fail_index(r, "normal", third, (size_t)(word + n - third), r->n_normals);
     return use_normal(r, vertex, normal);
 }
 
@@ -290,8 +325,7 @@ static vv_status read_lines(reader *r)
     if (r->n_mixed > 0)
         st = vvi_notes_warn(r->notes, "has vertices with more than one normal; the mean is used");
     if (st == VV_OK && r->n_lost > 0)
-        st = vvi_notes_warn(
-            r->notes, "has %" PRIu64 " corners of faces that name texture coordinates which do not exist", r->n_lost);
+        st = warn_of_lost(r);
     if (st == VV_OK && r->n_other > 0)
         st = vvi_notes_warn(r->notes, "has %" PRIu64 " lines of points, curves and other things, which are left out",
                             r->n_other);

@@ -183,7 +183,7 @@ static const struct {
     {"stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", "found 'x' where a coordinate"},
     {"off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "a vertex of a face is 7"},
     {"off", "OFF\n2000000000 1 0\n0 0 0\n", "take at least"},
-    {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "4: a face names vertex '4', but 3 came before it"},
+    {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "4: a face names vertex '4', but 3 came before it, counted from 1"},
     {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "a face has 2 corners"},
     {"obj", "v 0 0\n", "a vertex has 2 numbers"},
     {"gltf", "{\"asset\":{}}", "its 'asset' has no version"},
