@@ -131,7 +131,7 @@ static int32_t count_blocks(int64_t samples, int shift)
     return (int32_t)((cells + ((int64_t)1 << shift) - 1) >> shift);
 }
 
-static vv_status new_blocks(vvi_minmax **out, const int64_t dims[3], int shift, vv_job *job)
+vv_status vvi_minmax_new(vvi_minmax **out, const int64_t dims[3], int shift, vv_job *job)
 {
     *out = NULL;
     vvi_minmax *m = vvi_alloc_zeroed(job, sizeof *m, VVI_MEM_DERIVED);
@@ -168,7 +168,7 @@ static vv_status fill_blocks(vvi_minmax *m, const vv_brick *brick, int component
 
 vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job)
 {
-    vv_status st = new_blocks(out, brick->box.n, shift, job);
+    vv_status st = vvi_minmax_new(out, brick->box.n, shift, job);
     if (st != VV_OK || (st = fill_blocks(*out, brick, component, job)) == VV_OK)
         return st;
     vvi_minmax_free(*out);
@@ -215,7 +215,7 @@ static vv_status fill_layer(vvi_minmax *m, const vvi_lattice_hold *hold, int32_t
 static vv_status build_layers(vvi_minmax **out, const vvi_lattice_hold *hold, int shift, vv_job *job)
 {
     const int64_t *dims = vv_field_get_info(hold->field)->grid.dims;
-    vv_status st = new_blocks(out, dims, shift, job);
+    vv_status st = vvi_minmax_new(out, dims, shift, job);
     if (st != VV_OK)
         return st;
     const size_t slices = ((size_t)1 << shift) + 1;

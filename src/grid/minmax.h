@@ -22,6 +22,8 @@ typedef struct vvi_minmax {
 /** Whether any stored value in [lo, hi] is visible. */
 typedef bool vvi_visible_fn(const void *user, float lo, float hi);
 
+/** Room for the blocks of a grid of that many samples. Free with vvi_minmax_free(). */
+vv_status vvi_minmax_new(vvi_minmax **out, const int64_t dims[3], int shift, vv_job *job);
 /** Samples of one component in one brick, all axes of the grid; type as in the brick. Free with vvi_minmax_free(). */
 vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job);
 void vvi_minmax_free(void *minmax); /* NULL is fine */

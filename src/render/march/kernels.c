@@ -137,7 +137,9 @@ static void eye(vvi_rays *out, const vvi_eye *e, const vv_tile *tile)
             VV_KERNEL_TABLE(name##_f32), VV_KERNEL_TABLE(name##_any)                                                   \
     }
 
-extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays); /* composite_kernel.c */
+extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays);      /* composite_kernel.c */
+extern vvi_range_mean_kernel VV_KERNEL_TABLE(vvi_range_mean); /* range_kernel.c */
+extern vvi_range_fold_kernel VV_KERNEL_TABLE(vvi_range_fold);
 extern const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels);
 const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -152,6 +154,8 @@ const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .eye = eye,
     .blend = VV_KERNEL_TABLE(vvi_blend_rays),
     .surface_cubic = spline,
+    .range_mean = VV_KERNEL_TABLE(vvi_range_mean),
+    .range_fold = VV_KERNEL_TABLE(vvi_range_fold),
     .texture = VV_KERNEL_TABLE(vvi_texture_apply),
     .sample = sample,
     .exp2 = exp2_points,

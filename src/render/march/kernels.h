@@ -28,6 +28,20 @@ enum {
     VVI_RAY_KERNELS
 };
 
+/** Points that bound a cubic spline between two samples, as weights of the four coefficients around: the spline at the
+ * first, four inner points, and the spline at the second (cubic_range.c). */
+enum { VVI_RANGE_INNER = 4 };
+static const float vvi_range_weight[VVI_RANGE_INNER + 2][4] = {
+    {1.0f / 6, 4.0f / 6, 1.0f / 6, 0},     {1.0f / 12, 8.0f / 12, 3.0f / 12, 0}, {1.0f / 24, 14.0f / 24, 9.0f / 24, 0},
+    {0, 9.0f / 24, 14.0f / 24, 1.0f / 24}, {0, 3.0f / 12, 8.0f / 12, 1.0f / 12}, {0, 1.0f / 6, 4.0f / 6, 1.0f / 6},
+};
+/** One of these points of each of n places: a mean of four rows. */
+typedef void vvi_range_mean_kernel(float *restrict to, const float *const from[4], const float weight[4], size_t n);
+/** The least and the largest of the points of each cell along a row, and of those in lo and hi. Reads and writes up to
+ * VVI_RANGE_BEYOND numbers beyond the ends. */
+enum { VVI_RANGE_BEYOND = 16 };
+typedef void vvi_range_fold_kernel(float *restrict lo, float *restrict hi, const float *restrict row, size_t cells);
+
 typedef struct vvi_ray_kernels {
     uint32_t needs;
     const char *isa;
@@ -37,7 +51,9 @@ typedef struct vvi_ray_kernels {
     vvi_eye_kernel *eye;
     vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
     vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way */
-    vvi_texture_kernel *texture;   /**< for tests: the other kernels call it themselves */
+    vvi_range_mean_kernel *range_mean;
+    vvi_range_fold_kernel *range_fold;
+    vvi_texture_kernel *texture; /**< for tests: the other kernels call it themselves */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
                    const float *x, const float *y, const float *z, size_t n);

@@ -1,6 +1,7 @@
 /* Blocks and boxes of a volume in which nothing is visible. */
 #include "core/cache.h"
 #include "core/job.h"
+#include "render/common/cubic_range.h"
 #include "render/common/minmax_spread.h"
 #include "render/march/skip.h"
 #include "render/raycast/prepare.h"
@@ -56,19 +57,17 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
     return st;
 }
 
-/* How many blocks beyond its own a sample may read: an integrated step's other end, and
- * more of the coefficients. */
+/* How many blocks beyond its own a sample may read: to an integrated step's other end. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
     const vvi_march_volume *f = &v->ray;
     double most = 0;
-    if (v->ray.classifier.kind != VVI_CLASSIFY_INTEGRATED && !v->ray.sampler.cubic)
+    if (f->classifier.kind != VVI_CLASSIFY_INTEGRATED)
         return 0;
-    for (int a = 0; a < 3 && v->ray.classifier.kind == VVI_CLASSIFY_INTEGRATED; a++) {
+    for (int a = 0; a < 3; a++) {
         const double *m = f->sampler.world_to_index[a];
         most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
     }
-    most += v->ray.sampler.cubic ? 1 : 0;                          /* a cubic's outer coefficients */
     return (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20); /* a hundredth: places are floats */
 }
 
@@ -94,11 +93,14 @@ static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfe
 static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_job *job)
 {
     const int32_t *n = v->hold.lattice.n;
-    const char *what = v->ray.sampler.cubic ? "minmax cubic" : "minmax";
+    const bool cubic = v->ray.sampler.cubic;
     /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
     const int shift = (int64_t)n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
-    *key_out = vvi_minmax_key(what, v->actor->field, v->actor->component, shift);
-    return v->minmax ? VV_OK : vvi_minmax_get_lattice(&v->minmax, key_out, &v->hold, shift, job);
+    *key_out = vvi_minmax_key(cubic ? "range cubic" : "minmax", v->actor->field, v->actor->component, shift);
+    if (v->minmax)
+        return VV_OK;
+    return cubic ? vvi_cubic_range_get(&v->minmax, key_out, &v->hold.lattice, shift, job)
+                 : vvi_minmax_get_lattice(&v->minmax, key_out, &v->hold, shift, job);
 }
 
 /* Of means and sums: what has more than one value, as far as the least and the largest tell, which leave out what is no
