@@ -39,7 +39,10 @@ CAST = {
     },
 }
 GREY = (((0, 0, 0, 0), (255, 1, 1, 1)), ((0, 0), (255, 1)))
-TRANSFER = {"bone": BONE, "fog": FOG, "mip": GREY}
+# one colour, and an edge between two values: for bench/beside
+TAN = (0.88, 0.69, 0.5)
+EDGE = (((0, *TAN), (255, *TAN)), ((0, 0), (127, 0), (128, 0.98), (255, 0.98)))
+TRANSFER = {"bone": BONE, "fog": FOG, "mip": GREY, "edge": EDGE}
 
 
 def name(case):
