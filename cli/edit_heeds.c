@@ -284,3 +284,43 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     vv_object_release(&world->base);
     return st;
 }
+
+/* What a volume's own `rays` ask for that this picture cannot do. */
+static void note_rays(cli_edits *edits, const vv_world *world, const char *method)
+{
+    static const char *const names[] = {"mode", "iso", "threshold", "step", "blend", "opacity"};
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    const bool casts = renderer && renderer->params && vv_class_find(renderer->params, "mode");
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = vvi_volume_nth(world, i);
+        const char *id = world->volumes->entry[i].id;
+        const vv_dataset *dataset = vvi_dataset_named(world, volume->data);
+        const bool mesh = dataset && vv_dataset_is_mesh(dataset, edits->command->job);
+        for (size_t k = 0; k < sizeof names / sizeof *names && volume->visible && (mesh || !casts); k++) {
+            if (!vv_object_is_set(volume->rays, names[k]))
+                continue;
+            if (mesh)
+                cli_command_note(edits->command,
+                                 "volumes.%s.rays.%s does nothing: '%s' is a mesh, which is a surface for all rays; "
+                                 "its own look is volumes.%s.opacity, color and shading",
+                                 id, names[k], id, id);
+            else
+                cli_command_note(edits->command,
+                                 "volumes.%s.rays.%s does nothing: method %s casts no rays; --method raycast does", id,
+                                 names[k], method);
+            break;
+        }
+    }
+}
+
+vv_status cli_edit_tell_rays(cli_edits *edits)
+{
+    char method[64];
+    if (!makes_one_picture(edits->command))
+        return VV_OK;
+    vv_world *world = vv_model_snapshot(edits->model);
+    cli_edit_method_of(method, edits);
+    note_rays(edits, world, method);
+    vv_object_release(&world->base);
+    return VV_OK;
+}

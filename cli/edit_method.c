@@ -94,11 +94,27 @@ static vv_status choose_method(cli_edits *edits)
                                    : st;
 }
 
+/* --iso NAME=VALUE is how one would think that one volume of several has its own: the properties that do it. */
+static vv_status check_iso(cli_edits *edits)
+{
+    const char *iso = edits->look->iso, *equals = iso ? strchr(iso, '=') : NULL;
+    if (!equals)
+        return VV_OK;
+    const int n = (int)(equals - iso);
+    return cli_refused(edits->command, "iso",
+                       vv_fail(VV_E_ARGUMENT,
+                               "--iso takes one value for all volumes, not '%s'; one volume has its own by --set "
+                               "volumes.%.*s.rays.mode=isosurface --set volumes.%.*s.rays.iso=%s",
+                               iso, n, iso, n, iso, equals[1] ? equals + 1 : "VALUE"));
+}
+
 vv_status cli_edit_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
     char method[64];
-    vv_status st = choose_method(edits);
+    vv_status st = check_iso(edits);
+    if (st == VV_OK)
+        st = choose_method(edits);
     if (st != VV_OK)
         return st;
     cli_edit_method_of(method, edits);

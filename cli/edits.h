@@ -83,6 +83,8 @@ void cli_edit_method_of(char out[64], cli_edits *edits);
 vv_status cli_edit_check_params(cli_edits *edits, const char *method);
 /** The same of options about the World, where one picture is made of it. */
 vv_status cli_edit_check_aspects(cli_edits *edits);
+/** Notes what volumes' own `rays` ask for in vain: of meshes, or of a method that casts none. */
+vv_status cli_edit_tell_rays(cli_edits *edits);
 /** Whether the view's method, as it is set, shows an aspect of volumes. */
 bool cli_edit_heeds(cli_edits *edits, const vv_world *world, vv_aspect aspect);
 /** The same of what is seen, whatever the method: --range of labels, --iso of meshes. */

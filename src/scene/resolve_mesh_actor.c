@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/vec.h"
 #include "gfx/texture.h"
 #include "grid/label_color.h"
 #include "grid/mesh.h"
@@ -325,6 +326,24 @@ static vv_status load(vv_mesh_actor *shape, double *load_s, const vv_world *worl
     return add_normals(&shape->mesh, job);
 }
 
+/* What is computed of triangles in single precision has the fourth power of their sides. */
+static vv_status check_size(const vv_mesh_actor *shape, const char *path)
+{
+    enum { MOST = 1000000000 };
+    vv_vec3 corner[8];
+    double size = 0;
+    vvi_shape_corners(corner, shape);
+    for (int c = 1; c < 8; c++)
+        size = fmax(size, vvi_length(vvi_sub(corner[c], corner[0])));
+    if (size <= MOST)
+        return VV_OK;
+    return vv_fail(
+        VV_E_ARGUMENT,
+        "%s: the mesh is %.3g of the scene's units long, and triangles are drawn up to %.0e; make it smaller "
+        "by %s.place.scale, or give it or the scene a longer unit",
+        path, size, (double)MOST, path);
+}
+
 vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_world *world, const char *id,
                                  const vv_volume *volume, vv_job *job)
 {
@@ -337,6 +356,7 @@ vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_
     if ((st = load(shape, load_s, world, volume, path, job)) != VV_OK ||
         (st = vvi_place_data(&shape->place, &data_to_world, vv_affine_identity(), vv_mesh_get_info(shape->mesh)->unit,
                              world, volume, path)) != VV_OK ||
+        (st = check_size(shape, path)) != VV_OK ||
         (st = vvi_resolve_planes(look, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
     vvi_resolve_shading(look, world, volume);

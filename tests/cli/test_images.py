@@ -192,7 +192,12 @@ def test_volumes_have_modes_of_their_own():
     ok(*look, "-o", "by_each.png", "--set", "volumes.ct.rays.mode=mip", "--set", "volumes.pet.rays.mode=maximum")
     assert png_pixels("maxima.png") == png_pixels("by_each.png") != png_pixels("fused.png")
     says(fails(2, *look, "-o", "b.png", "--set", "volumes.pet.rays.mode=maximal"), "volumes.pet.rays.mode", "'maximum'")
-    ok(*look, "-o", "scene.png", "--set", "volumes.pet.rays.mode=maximum", "--set", "volumes.pet.rays.step=0.5vox")
+    told = ok(*look, "-o", "scene.png", "--set", "volumes.pet.rays.mode=maximum", "--set", "volumes.pet.rays.step=0.5vox").message
+    assert "does nothing" not in told, told
+    told = ok("render", "ct.nrrd", "--method", "surface", "--size", "64", "-o", "s.png", "--set", "volumes.ct.rays.step=1vox").message
+    says(told, "volumes.ct.rays.step does nothing", "surface casts no rays", "--method raycast")
+    says(fails(2, "render", "ct.nrrd", "pet.nrrd", "-o", "b.png", "--iso", "pet=90"), "--iso takes one value", "volumes.pet.rays.mode=isosurface",
+         "volumes.pet.rays.iso=90")
 
 
 def test_a_layer_is_picked_where_it_hides_half():

@@ -359,6 +359,36 @@ def test_faces_of_cuts_have_the_colours_of_parts_and_open_meshes_are_hollow():
     assert "hollow" not in ok("render", "bowl.ply", *look, "--clip", "z:-2..", "-o", "b.png").message
 
 
+def test_open_meshes_that_are_cut_all_round_are_said_to_be_open():
+    places, triangles = sphere(5, 60)
+    write_ply("bowl.ply", places, [t for t in triangles if max(places[v][2] for v in t) < 1])
+    write_ply("ball.ply", places, triangles)
+    for method in ("surface", "raycast"):
+        said = ok("render", "bowl.ply", "--size", "60x60", "--method", method, "--clip", "z:-2..", "-o", "a.png", "--overwrite").message
+        says(said, "volumes.bowl", "is open (", "edges belong to one triangle only", "shading.cap=false")
+        for words in (["ball.ply", "--clip", "z:-2.."], ["bowl.ply"], ["bowl.ply", "--clip", "z:-2..", "--set", "shading.cap=false"]):
+            assert "open" not in ok("render", *words, "--size", "60x60", "--method", method, "-o", "a.png", "--overwrite").message, words
+
+
+def test_meshes_larger_than_single_precision_can_light_are_refused_by_all_methods():
+    for size, fine in ((1e-3, True), (5e8, True), (2e9, False), (1e30, False)):
+        write_ply("large.ply", [(x * size, y * size, z * size) for x, y, z in sphere(0.5, 20)[0]], sphere(0.5, 20)[1])
+        for method in ("surface", "raycast"):
+            words = ("render", "large.ply", "--size", "60x60", "--method", method, "-o", "a.png", "--overwrite")
+            if fine:
+                ok(*words)
+                assert picture("a.png")(30, 30) > (60, 60, 60), (size, method, picture("a.png")(30, 30))
+            else:
+                says(fails(2, *words), "volumes.large", "drawn up to 1e+09", "volumes.large.place.scale")
+    ok("render", "large.ply", "--set", "volumes.large.place.scale=[1e-30, 1e-30, 1e-30]", "--size", "60x60", "-o", "a.png", "--overwrite")
+
+
+def test_rays_of_meshes_and_of_methods_without_rays_are_noted():
+    write_ply("ball.ply", *sphere(5, 20))
+    says(ok("render", "ball.ply", "--set", "volumes.ball.rays.mode=maximum", "--size", "40x40", "-o", "a.png", "--overwrite").message,
+         "volumes.ball.rays.mode does nothing", "is a mesh")
+
+
 def rasterised(path, size):
     """What another program makes of a figure."""
     if not shutil.which("rsvg-convert"):

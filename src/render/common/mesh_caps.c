@@ -12,6 +12,7 @@
 /* Where a plane cuts a mesh; the mesh NULL: nowhere. */
 typedef struct section {
     vv_mesh *mesh;
+    bool whole; /* it closes everywhere */
 } section;
 
 typedef struct wanted {
@@ -34,6 +35,7 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     if (!s)
         return vv_fail_memory(sizeof *s);
     const vv_status st = vvi_mesh_section(&s->mesh, &n_gaps, w->actor->mesh, &w->plane, job);
+    s->whole = n_gaps == 0;
     if (st != VV_OK) {
         drop(s);
         return st;
@@ -46,6 +48,38 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     *value_out = s;
     *bytes_out = sizeof *s + (s->mesh ? vvi_mesh_bytes(s->mesh) : 0);
     return VV_OK;
+}
+
+/* Told once of a mesh: where a plane cuts it all round, one does not see that it ends elsewhere. */
+static vv_status make_rim(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const vv_mesh_actor *actor = user;
+    vv_mesh_topology *t = vvi_alloc_zeroed(job, sizeof *t, VVI_MEM_DERIVED);
+    if (!t)
+        return vv_fail_memory(sizeof *t);
+    const vv_status st = vv_mesh_count_topology(t, actor->mesh, job);
+    if (st != VV_OK) {
+        vvi_free(t);
+        return st;
+    }
+    if (t->n_open_edges)
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "volumes.%s: the mesh is open (%zu edges belong to one triangle only), so that it has no inside; where "
+                "a plane cuts it all round it has a face as if it were closed, which shading.cap=false leaves out",
+                actor->look.id, t->n_open_edges);
+    *value_out = t;
+    *bytes_out = sizeof *t;
+    return VV_OK;
+}
+
+static vv_status tell_of_rim(const vv_mesh_actor *actor, vv_job *job)
+{
+    struct vvi_cached *rim;
+    const vvi_cache_key key = {"mesh rim", 0, vv_mesh_checksum(actor->mesh)};
+    const vv_status st = vvi_cache_get(&rim, &key, make_rim, vvi_free, (void *)(uintptr_t)actor, job);
+    if (st == VV_OK)
+        vvi_cache_release(rim);
+    return st;
 }
 
 static vv_status find_section(struct vvi_cached **out, const vv_mesh_actor *actor, const vv_plane *plane, vv_job *job)
@@ -108,10 +142,11 @@ static vv_status add_cap(vvi_mesh_caps *caps, const vv_scene *scene, size_t owne
     vv_status st = find_section(&cached, actor, &actor->look.planes[plane], job);
     if (st != VV_OK)
         return vv_fail_in(st, "volumes.%s", actor->look.id);
-    vv_mesh *mesh = ((const section *)vvi_cached_value(cached))->mesh;
-    if (!mesh) {
+    const section *s = vvi_cached_value(cached);
+    vv_mesh *mesh = s->mesh;
+    if (!mesh || (s->whole && (st = tell_of_rim(actor, job)) != VV_OK)) {
         vvi_cache_release(cached);
-        return VV_OK;
+        return st;
     }
     caps->cap[caps->n] = (vvi_mesh_cap){.actor = *actor, .owner = owner, .section = cached};
     vv_mesh_actor *cap = &caps->cap[caps->n++].actor;
