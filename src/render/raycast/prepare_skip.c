@@ -56,20 +56,22 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
     return st;
 }
 
-/* How many blocks beyond its own a sample may read: an integrated step's other end, and
- * more of the coefficients. */
+/* How many blocks beyond its own a sample may read. An integrated step that lies in empty blocks as a whole sees none
+ * of the values between its ends: what is interpolated has no gaps, but for samples that are no numbers. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
     const vvi_march_volume *f = &v->ray;
-    double most = 0;
-    if (v->ray.classifier.kind != VVI_CLASSIFY_INTEGRATED && !v->ray.sampler.cubic)
-        return 0;
-    for (int a = 0; a < 3 && v->ray.classifier.kind == VVI_CLASSIFY_INTEGRATED; a++) {
-        const double *m = f->sampler.world_to_index[a];
-        most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
+    double most = f->sampler.cubic ? 1 : 0; /* a cubic's outer coefficients */
+    if (f->classifier.kind == VVI_CLASSIFY_INTEGRATED &&
+        v->actor->statistics->nan_count + v->actor->statistics->infinite_count) {
+        double step = 0;
+        for (int a = 0; a < 3; a++) {
+            const double *m = f->sampler.world_to_index[a];
+            step = fmax(step, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
+        }
+        most += step;
     }
-    most += v->ray.sampler.cubic ? 1 : 0;                          /* a cubic's outer coefficients */
-    return (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20); /* a hundredth: places are floats */
+    return most > 0 ? (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20) : 0; /* a hundredth: places are floats */
 }
 
 static uint64_t hash_visibility(const visibility *v)
