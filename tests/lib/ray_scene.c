@@ -132,7 +132,8 @@ static vvi_ray_kernel *same_kernel(const vvi_ray_kernels *in, vvi_ray_kernel *ch
                 return in->of[kind][type];
     if (best->surface_cubic == chosen)
         return in->surface_cubic;
-    return NULL; /* only the blend draws it */
+    assert_ptr_equal(best->composite_cubic, chosen);
+    return in->composite_cubic;
 }
 
 vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_ray_kernels *kernels)

@@ -32,11 +32,16 @@ typedef struct part_span {
     vm some; /* lanes where it is more than rounding */
 } part_span;
 
-/** What lanes of m see of a volume over their span; `middle` of its own steps from where it begins lies the sample. */
-typedef void classify_fn(sight *out, march_part *p, const part_span *span, vf middle, vm m);
+/** The value of lanes of m, k of the volume's own steps from where it begins. */
+typedef vf value_fn(const march_part *p, vf k, vm m);
+
+/** What lanes of m see of it over their span. `middle` is where light is taken; the value is that there, or of an
+ * integrated volume that at the back of the span. */
+typedef void classify_fn(sight *out, march_part *p, const part_span *span, vf middle, vf value, vm m);
 
 /** What is built for each way of sampling. */
 typedef struct sampler_row {
+    value_fn *value;
     classify_fn *classify;
     color_fn *color;
 } sampler_row;
@@ -50,15 +55,20 @@ VV_INLINE part_span find_span(const march_part *p, vf k)
     return b;
 }
 
-/* Of a sampler, once for all packets of a batch. */
+/** Once for all packets of a batch; lanes without a sample are computed as well, so with numbers. */
+VV_INLINE void part_open(march_part *p, const vvi_march_volume *f, const sampler_row *by)
+{
+    p->f = f;
+    p->by = by;
+    memset(&p->queue, 0, sizeof p->queue);
+    memset(&p->known_row, 0, sizeof p->known_row);
+}
+
+/* Of samplers, once for all packets of a batch. */
 VV_INLINE void blend_open(march_part *part, const vvi_blend_setup *f, const sampler_row *samplers)
 {
-    for (size_t i = 0; i < f->n_volumes; i++) {
-        part[i].f = &f->volume[i];
-        part[i].by = &samplers[vvi_march_sampler(&f->volume[i].sampler)];
-        memset(&part[i].queue, 0, sizeof part[i].queue);
-        memset(&part[i].known_row, 0, sizeof part[i].known_row); /* lanes without a sample are computed as well */
-    }
+    for (size_t i = 0; i < f->n_volumes; i++)
+        part_open(&part[i], &f->volume[i], &samplers[vvi_march_sampler(&f->volume[i].sampler)]);
 }
 
 /* The volumes that each ray meets, and with that its stretches. Out of line: one ray after the other. */
@@ -177,15 +187,19 @@ VV_INLINE void part_look(march_part *p, vf k, vm run)
     vm busy = inside;
     vf leave = vf_max(vf_floor(vf_min(p->last, far)), next);
     if (f->skipper.reach && vm_any(inside)) {
-        /* blocks of an integrated volume speak for all within a step of them, so its front decides */
-        const vf middle = f->classifier.kind == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
+        const bool whole = f->classifier.kind == VVI_CLASSIFY_INTEGRATED;
+        const vf middle = vf_select(whole ? inside : vm_none(), vf_set1(0.0f), p->r.phase);
         const vf at = (vf_fma(b.to - b.from, middle, b.from) - p->first) * p->scale;
         const block_at block = find_block(f, f->sampler.nearest, packet_point(&p->r, at));
         vm empty;
         const vi reach = look_at_blocks(f, &block, inside, &empty);
         const vf exit = block_exit(&p->r, f, f->sampler.nearest, &block, reach);
         const vf slack = (p->inverse - vf_set1(1.0f)) * vf_set1(0.01f); /* a hundredth is one of its own steps */
-        leave = sample_after(k, exit * p->inverse + p->first - slack, middle);
+        const vf end = exit * p->inverse + p->first - slack;
+        if (whole)
+            leave = step_after(k, end, &empty);
+        else
+            leave = sample_after(k, end, middle);
         busy = vm_andnot(inside, empty);
     }
     look = vf_select(inside, leave, look);
@@ -247,10 +261,15 @@ VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, v
 
 /** One step through all volumes. */
 typedef struct blend_sample {
-    sight found[VVI_BLEND_VOLUMES];
+    vf value[VVI_BLEND_VOLUMES];
     part_span span[VVI_BLEND_VOLUMES]; /* none where nothing was sampled */
-    vf middle[VVI_BLEND_VOLUMES];
 } blend_sample;
+
+/* Where light is taken, in steps of the volume's own. */
+VV_INLINE vf span_middle(const march_part *p, const part_span *b)
+{
+    return (vf_lerp(b->from, b->to, p->r.phase) - p->first) * p->scale;
+}
 
 /** Samples of the lanes in run, in step k. */
 VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
@@ -261,22 +280,25 @@ VV_INLINE void blend_fetch(blend_sample *out, composite_state *s, vf k, vm run)
         *b = find_span(p, k);
         /* lanes that are to look again take the sample: they may be in another block by now */
         b->some = vm_and(vm_and(run, b->some), vm_or(p->busy, vf_le(p->look, k)));
-        out->middle[i] = (vf_lerp(b->from, b->to, p->r.phase) - p->first) * p->scale;
-        if (vm_any(b->some))
-            p->by->classify(&out->found[i], p, b, out->middle[i], b->some);
+        if (!vm_any(b->some))
+            continue;
+        vf at = span_middle(p, b);
+        if (p->f->classifier.kind == VVI_CLASSIFY_INTEGRATED)
+            at = (b->to - p->first) * p->scale;
+        out->value[i] = p->by->value(p, at, b->some);
     }
 }
 
 /* The part with most opacity in a step. */
-VV_INLINE vi densest_part(const blend_sample *t, const vm *some, size_t n)
+VV_INLINE vi densest_part(const sight *found, const vm *some, size_t n)
 {
     vf most = vf_set1(0.0f);
     vi part = vi_set1(0);
     for (size_t i = 0; i < n; i++) {
         if (!vm_any(some[i]))
             continue;
-        const vm more = vm_and(some[i], vf_lt(most, t->found[i].depth));
-        most = vf_select(more, t->found[i].depth, most);
+        const vm more = vm_and(some[i], vf_lt(most, found[i].depth));
+        most = vf_select(more, found[i].depth, most);
         part = vi_select(more, vi_set1((int32_t)i), part);
     }
     return part;
@@ -288,17 +310,22 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
     const vf zero = vf_set1(0.0f);
     vf sum = zero, from = k + vf_set1(1.0f), to = k;
     vm some[VVI_BLEND_VOLUMES];
+    vf middle[VVI_BLEND_VOLUMES];
+    sight found[VVI_BLEND_VOLUMES];
     const size_t n = s->n;
     for (size_t i = 0; i < n; i++) {
+        march_part *p = &s->part[i];
         const part_span *b = &t->span[i];
         some[i] = vm_and(run, b->some);
         if (!vm_any(some[i]))
             continue;
+        middle[i] = span_middle(p, b);
+        p->by->classify(&found[i], p, b, middle[i], t->value[i], some[i]);
         s->samples += (uint64_t)vm_count(some[i]);
-        sum = sum + vf_select(some[i], t->found[i].depth, zero);
+        sum = sum + vf_select(some[i], found[i].depth, zero);
         from = vf_select(some[i], vf_min(from, b->from), from);
         to = vf_select(some[i], vf_max(to, b->to), to);
-        some[i] = vm_and(some[i], vf_lt(zero, t->found[i].depth));
+        some[i] = vm_and(some[i], vf_lt(zero, found[i].depth));
     }
     const vm seen = vf_lt(zero, sum);
     if (!vm_any(seen))
@@ -306,12 +333,12 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
     const vf weight = absorbed_share(sum, seen) * s->transmittance;
     for (size_t i = 0; i < n; i++)
         if (vm_any(some[i]))
-            part_add(s, &s->part[i], &t->found[i], t->middle[i], weight, some[i]);
+            part_add(s, &s->part[i], &found[i], middle[i], weight, some[i]);
     s->transmittance = vf_max(s->transmittance - weight * sum, zero);
     const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
     if (vm_any(halved)) {
         s->depth = vf_select(halved, (from + to) * vf_set1(0.5f), s->depth);
-        s->most = vi_select(halved, densest_part(t, some, n), s->most);
+        s->most = vi_select(halved, densest_part(found, some, n), s->most);
     }
 }
 

@@ -79,6 +79,19 @@ VV_INLINE vf3 part_gradient(const vvi_march_volume *f, int sampler, vf3 p, vm m)
     return world_gradient(f, g);
 }
 
+VV_INLINE bool has_labels(const vvi_march_volume *f, int sampler)
+{
+    return f->classifier.kind == VVI_CLASSIFY_LABELS && sampler != VVI_RAY_CUBIC;
+}
+
+/** What is classified, k steps of the volume's own from where rays enter it. */
+VV_INLINE vf classified_value(const march_part *p, int sampler, vf k, vm m)
+{
+    const vf3 at = packet_point(&p->r, k);
+    return has_labels(p->f, sampler) ? winning_label(&p->f->sampler.lattice, sampler, at, m)
+                                     : part_value(p->f, sampler, at, m);
+}
+
 VV_INLINE vf3 part_label_gradient(const vvi_march_volume *f, vf3 p, vf label, vm m)
 {
     vf3 g;

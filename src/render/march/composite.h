@@ -14,7 +14,8 @@
 typedef enum composite_how {
     HOW_TABLE, /* one volume, colours and opacities from its table */
     HOW_LIT,   /* the same, and colours are found later */
-    HOW_ANY    /* any number of volumes, each classified in its own way */
+    HOW_ONE,   /* one volume, classified in any way */
+    HOW_ANY    /* any number of volumes, each in its own way */
 } composite_how;
 
 /** One sample of each lane of a single volume, and what its table says of it. */
@@ -85,6 +86,37 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
     s->depth = vf_select(vm_and(halved, m), t->k, s->depth);
 }
 
+/** A sample of a volume that is classified in any way. */
+typedef struct one_sample {
+    vf value;
+    vm m;
+} one_sample;
+
+/** What lanes of m see of it, in steps k whose parts `share` lie in the volume. */
+VV_INLINE void add_one(composite_state *s, one_sample *t, vf k, vf share, vm m)
+{
+    march_part *p = s->part;
+    const vf zero = vf_set1(0.0f), middle = vf_fma(share, p->r.phase, k);
+    const part_span span = {k, k + share, m};
+    sight found;
+    s->samples += (uint64_t)vm_count(m);
+    p->by->classify(&found, p, &span, middle, t->value, m);
+    const vf depth = vf_select(m, found.depth, zero);
+    const vm seen = vf_lt(zero, depth);
+    if (!vm_any(seen))
+        return;
+    const vf weight = absorbed_share(depth, seen) * s->transmittance;
+    part_add(s, p, &found, middle, weight, seen);
+    s->transmittance = vf_max(s->transmittance - weight * depth, zero);
+    const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
+    s->depth = vf_select(halved, vf_fma(share, vf_set1(0.5f), k), s->depth);
+}
+
+VV_INLINE bool sees_whole_steps(const vvi_march_volume *f, composite_how how)
+{
+    return how == HOW_ONE && f->classifier.kind == VVI_CLASSIFY_INTEGRATED;
+}
+
 /** Which lanes of `run` are in blocks that show nothing, and when blocks are to be looked at again. */
 VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf middle, vm run, vf *next)
 {
@@ -95,9 +127,17 @@ VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf midd
     *next = vf_set1(NEVER);
     if (p->f->skipper.reach) {
         const bool nearest = p->f->sampler.nearest;
-        const block_at b = find_block(p->f, nearest, packet_point(&p->r, k + middle));
+        const bool whole = sees_whole_steps(p->f, how);
+        vf at = k + middle;
+        if (whole)
+            at = k;
+        const block_at b = find_block(p->f, nearest, packet_point(&p->r, at));
         const vi reach = look_at_blocks(p->f, &b, run, &empty);
-        *next = sample_after(k, block_exit(&p->r, p->f, nearest, &b, reach), middle);
+        const vf exit = block_exit(&p->r, p->f, nearest, &b, reach);
+        if (whole)
+            *next = step_after(k, exit, &empty);
+        else
+            *next = sample_after(k, exit, middle);
     }
     return empty;
 }
@@ -105,6 +145,7 @@ VV_INLINE vm composite_look(composite_state *s, composite_how how, vf k, vf midd
 /** A sample of a single volume, or of all. */
 typedef union any_sample {
     table_sample of_table;
+    one_sample of_one;
     blend_sample of_all;
 } any_sample;
 
@@ -112,6 +153,8 @@ VV_INLINE void fetch_any(any_sample *out, composite_state *s, composite_how how,
 {
     if (how == HOW_ANY)
         blend_fetch(&out->of_all, s, k, run);
+    else if (how == HOW_ONE)
+        out->of_one.value = classified_value(s->part, sampler, k + middle, run);
     else
         fetch_sample(&out->of_table, s->part, how, sampler, k + middle, run);
 }
@@ -121,6 +164,8 @@ VV_INLINE void add_any(composite_state *s, composite_how how, color_fn *color, a
 {
     if (how == HOW_ANY)
         blend_add(s, &t->of_all, k, run);
+    else if (how == HOW_ONE)
+        add_one(s, &t->of_one, k, share, run);
     else
         add_sample(s, how, color, &t->of_table, partial, share, run);
 }
@@ -166,6 +211,8 @@ VV_INLINE void composite_march(composite_state *s, composite_how how, int sample
             const bool pair = vm_any(both);
             if (pair)
                 fetch_any(&then, s, how, sampler, k + one, middle, both);
+            else if (how == HOW_ONE)
+                then.of_one = now.of_one;
             else if (how != HOW_ANY)
                 then.of_table = (table_sample){0};
             add_any(s, how, color, &now, k, partial, share, run);
@@ -186,14 +233,17 @@ VV_INLINE void composite_one(composite_state *s, composite_how how, int sampler,
         return;
     /* a rest below a millionth of a step is rounding, not a step */
     const vf whole = vf_floor(r->n + vf_set1(LEAST_PART)), one = vf_set1(1.0f), opaque = vf_set1(s->opaque);
-    vf k = r->first, limit = vf_min(whole, r->last), middle = r->phase, share = one;
+    vf phase = r->phase;
+    if (sees_whole_steps(s->part->f, how))
+        phase = one; /* the value at the back of each step */
+    vf k = r->first, limit = vf_min(whole, r->last), middle = phase, share = one;
     vm run = vm_and(r->hit, vf_lt(k, limit));
     for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
         composite_march(s, how, sampler, color, k, limit, middle, partial, share, run);
         share = r->n - whole;
         k = whole;
         limit = whole + one;
-        middle = share * r->phase;
+        middle = share * phase;
         run = vm_and(vm_and(r->hit, vf_lt(vf_set1(LEAST_PART), share)), vf_lt(opaque, s->transmittance));
         run = vm_and(run, vf_lt(whole, r->last));
     }
@@ -211,20 +261,37 @@ VV_INLINE void composite_begin(composite_state *s, march_part *part, size_t n, f
     s->samples = 0;
 }
 
+/* A volume alone begins where its rays enter it, in steps of its own. */
+VV_INLINE void one_begin(march_part *p)
+{
+    queue_begin(&p->queue);
+    p->scale = vf_set1(1.0f);
+    p->first = vf_set1(0.0f);
+    p->known_at = vf_set1(-1.0f);
+    p->known = vf_set1(0.0f);
+}
+
 VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vvi_rays *rays, vv_render_counts *counts,
-                              composite_how how, int sampler, color_fn *color)
+                              composite_how how, int sampler, const sampler_row *by)
 {
     march_part part;
+    color_fn *const color = by ? by->color : NULL;
     part.f = f;
     if (how == HOW_LIT)
         memset(&part.queue, 0, sizeof part.queue);
+    else if (how == HOW_ONE)
+        part_open(&part, f, by);
     for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
         composite_state s;
         composite_begin(&s, &part, 1, f->opaque);
         packet_begin(&part.r, f, rays, at);
         if (how == HOW_LIT)
             queue_begin(&part.queue);
+        else if (how == HOW_ONE)
+            one_begin(&part);
         composite_one(&s, how, sampler, color);
+        if (how == HOW_ONE)
+            blend_finish(&s);
         if (how == HOW_LIT)
             color(&part.queue, &part);
         counts->samples += s.samples;

@@ -42,19 +42,15 @@ VV_INLINE void fade(sight *s, vf left)
         s->rgb[c] = s->rgb[c] * left;
 }
 
-/* What a volume is seen as, whose samples are taken in one way. Kinds differ too little to be kernels of their own: all
- * lanes are of one. */
-VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf middle, vm m, int sampler)
+/* What a value is seen as, in a volume whose samples are taken in one way. Kinds differ too little to be kernels of
+ * their own: all lanes are of one. */
+VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf middle, vf value, vm m, int sampler)
 {
     const vvi_march_volume *f = p->f;
     const int kind = f->classifier.kind;
-    const bool labels = kind == VVI_CLASSIFY_LABELS && sampler != VVI_RAY_CUBIC;
+    const bool labels = has_labels(f, sampler);
     const vf share = (span->to - span->from) * p->scale, zero = vf_set1(0.0f); /* of one of its own steps */
     const vf3 point = packet_point(&p->r, middle);
-    vf3 at = point;
-    if (kind == VVI_CLASSIFY_INTEGRATED)
-        at = packet_point(&p->r, (span->to - p->first) * p->scale);
-    const vf value = labels ? winning_label(&f->sampler.lattice, sampler, at, m) : part_value(f, sampler, at, m);
     vm real = vm_and(m, is_number(value)), steep = vm_none();
     out->entry = vi_set1(0);
     out->rgb[0] = out->rgb[1] = out->rgb[2] = zero;
@@ -82,14 +78,24 @@ VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf mid
 
 /* Out of line, as all kinds of kernels call them, and the loops keep their registers. */
 #define SAMPLER(t, sampler)                                                                                            \
-    static                                                                                                             \
-        __attribute__((noinline)) void classify_##t(sight *out, march_part *p, const part_span *span, vf middle, vm m) \
+    static __attribute__((noinline)) vf value_##t(const march_part *p, vf k, vm m)                                     \
     {                                                                                                                  \
-        classify(out, p, span, middle, m, sampler);                                                                    \
+        return classified_value(p, sampler, k, m);                                                                     \
+    }                                                                                                                  \
+    static __attribute__((noinline)) void classify_##t(sight *out, march_part *p, const part_span *span, vf middle,    \
+                                                       vf value, vm m)                                                 \
+    {                                                                                                                  \
+        classify(out, p, span, middle, value, m, sampler);                                                             \
     }                                                                                                                  \
     static __attribute__((noinline)) void color_##t(color_queue *q, const march_part *p)                               \
     {                                                                                                                  \
         color_all(q, p, sampler);                                                                                      \
+    }                                                                                                                  \
+    extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_composite_classified_##t);                                               \
+    void VV_KERNEL_TABLE(vvi_composite_classified_##t)(vvi_sink * out, const vvi_march_volume *f,                      \
+                                                       const vvi_rays *rays, vv_render_counts *counts)                 \
+    {                                                                                                                  \
+        composite_rays(out, f, rays, counts, HOW_ONE, sampler, &(sampler_row){NULL, classify_##t, color_##t});         \
     }
 
 #define KERNELS(t, sampler)                                                                                            \
@@ -103,7 +109,7 @@ VV_INLINE void classify(sight *out, march_part *p, const part_span *span, vf mid
     void VV_KERNEL_TABLE(vvi_composite_lit_##t)(vvi_sink * out, const vvi_march_volume *f, const vvi_rays *rays,       \
                                                 vv_render_counts *counts)                                              \
     {                                                                                                                  \
-        composite_rays(out, f, rays, counts, HOW_LIT, sampler, color_##t);                                             \
+        composite_rays(out, f, rays, counts, HOW_LIT, sampler, &(sampler_row){.color = color_##t});                    \
     }
 
 KERNELS(u8, VVI_SAMPLE_U8)
@@ -118,9 +124,12 @@ void VV_KERNEL_TABLE(vvi_blend_rays)(vvi_sink *out, const vvi_blend_setup *f, co
                                      vv_render_counts *counts)
 {
     static const sampler_row samplers[VVI_RAY_SAMPLERS] = {
-        [VVI_SAMPLE_U8] = {classify_u8, color_u8},    [VVI_SAMPLE_U16] = {classify_u16, color_u16},
-        [VVI_SAMPLE_I16] = {classify_i16, color_i16}, [VVI_SAMPLE_F32] = {classify_f32, color_f32},
-        [VVI_SAMPLE_ANY] = {classify_any, color_any}, [VVI_RAY_CUBIC] = {classify_cubic, color_cubic},
+        [VVI_SAMPLE_U8] = {value_u8, classify_u8, color_u8},
+        [VVI_SAMPLE_U16] = {value_u16, classify_u16, color_u16},
+        [VVI_SAMPLE_I16] = {value_i16, classify_i16, color_i16},
+        [VVI_SAMPLE_F32] = {value_f32, classify_f32, color_f32},
+        [VVI_SAMPLE_ANY] = {value_any, classify_any, color_any},
+        [VVI_RAY_CUBIC] = {value_cubic, classify_cubic, color_cubic},
     };
     composite_blend(out, f, rays, counts, samplers);
 }

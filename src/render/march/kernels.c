@@ -33,7 +33,8 @@ VV_INLINE void each_packet(vvi_sink *out, const vvi_march_volume *f, const vvi_r
 
 /* Whether samples are the nearest is asked at run time: it is always the same answer, and half the program to build. */
 #define KERNELS_OF_TYPE(t, type)                                                                                       \
-    extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_composite_##t), VV_KERNEL_TABLE(vvi_composite_lit_##t);                  \
+    extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_composite_##t), VV_KERNEL_TABLE(vvi_composite_lit_##t),                  \
+        VV_KERNEL_TABLE(vvi_composite_classified_##t);                                                                 \
     KERNEL(extremum_##t, extremum_packet(out, f, r, at, type, f->sampler.nearest, counts))                             \
     KERNEL(average_##t, average_packet(out, f, r, at, type, f->sampler.nearest, counts))                               \
     KERNEL(local_##t, local_packet(out, f, r, at, type, f->sampler.nearest, counts))                                   \
@@ -140,6 +141,7 @@ static void eye(vvi_rays *out, const vvi_eye *e, const vv_tile *tile)
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_rays);      /* composite_kernel.c */
 extern vvi_range_mean_kernel VV_KERNEL_TABLE(vvi_range_mean); /* range_kernel.c */
 extern vvi_range_fold_kernel VV_KERNEL_TABLE(vvi_range_fold);
+extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_composite_classified_cubic);
 extern const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels);
 const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -147,6 +149,7 @@ const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .width = VV_WIDTH,
     .of = {[VVI_RAY_COMPOSITE] = BY_TYPE_OF(vvi_composite),
            [VVI_RAY_COMPOSITE_LIT] = BY_TYPE_OF(vvi_composite_lit),
+           [VVI_RAY_COMPOSITE_CLASSIFIED] = BY_TYPE_OF(vvi_composite_classified),
            [VVI_RAY_EXTREMUM] = BY_TYPE(extremum),
            [VVI_RAY_AVERAGE] = BY_TYPE(average),
            [VVI_RAY_LOCAL_MAXIMUM] = BY_TYPE(local),
@@ -156,6 +159,7 @@ const vvi_ray_kernels VV_KERNEL_TABLE(vvi_ray_kernels) = {
     .surface_cubic = spline,
     .range_mean = VV_KERNEL_TABLE(vvi_range_mean),
     .range_fold = VV_KERNEL_TABLE(vvi_range_fold),
+    .composite_cubic = VV_KERNEL_TABLE(vvi_composite_classified_cubic),
     .texture = VV_KERNEL_TABLE(vvi_texture_apply),
     .sample = sample,
     .exp2 = exp2_points,

@@ -19,8 +19,9 @@ typedef void vvi_blend_kernel(vvi_sink *out, const vvi_blend_setup *blend, const
 
 /** What a kernel of one volume makes of the values along a ray. */
 enum {
-    VVI_RAY_COMPOSITE,     /**< colours and opacities of a table, and no more */
-    VVI_RAY_COMPOSITE_LIT, /**< the same, then paint, texture and light */
+    VVI_RAY_COMPOSITE,            /**< colours and opacities of a table, and no more */
+    VVI_RAY_COMPOSITE_LIT,        /**< the same, then paint, texture and light */
+    VVI_RAY_COMPOSITE_CLASSIFIED, /**< classified in any way, then these */
     VVI_RAY_EXTREMUM,
     VVI_RAY_AVERAGE,
     VVI_RAY_LOCAL_MAXIMUM,
@@ -49,8 +50,9 @@ typedef struct vvi_ray_kernels {
     /** By what they do, and by sample type (VVI_SAMPLE_ANY for what is fetched otherwise than from one array). */
     vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS];
     vvi_eye_kernel *eye;
-    vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
-    vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way */
+    /** The lattice has coefficients (cubic_spline.h). */
+    vvi_ray_kernel *surface_cubic, *composite_cubic;
+    vvi_blend_kernel *blend; /**< any number of volumes, classified in any way */
     vvi_range_mean_kernel *range_mean;
     vvi_range_fold_kernel *range_fold;
     vvi_texture_kernel *texture; /**< for tests: the other kernels call it themselves */

@@ -209,4 +209,13 @@ VV_INLINE vf sample_after(vf k, vf exit, vf offset)
     return vf_max(next, k + vf_set1(1.0f));
 }
 
+/** The same where steps are seen as a whole, from front to back: empty are those that end before an empty block does,
+ * and lanes that have none such there take their sample. */
+VV_INLINE vf step_after(vf k, vf exit, vm *empty)
+{
+    const vf next = vf_floor(exit - vf_set1(0.01f));
+    *empty = vm_and(*empty, vf_lt(k, next));
+    return vf_select(*empty, next, sample_after(k, exit, vf_set1(0.0f)));
+}
+
 #endif

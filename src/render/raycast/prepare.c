@@ -124,14 +124,16 @@ static int kernel_of(const vvi_raycast_volume *v)
     case VV_RAY_LOCAL_MAXIMUM:
         return VVI_RAY_LOCAL_MAXIMUM;
     default:
+        if (vvi_raycast_needs_more(v))
+            return VVI_RAY_COMPOSITE_CLASSIFIED;
         return takes_light(&v->ray) ? VVI_RAY_COMPOSITE_LIT : VVI_RAY_COMPOSITE;
     }
 }
 
 static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, const vvi_ray_kernels *k)
 {
-    if (v->solid && v->ray.sampler.cubic)
-        return k->surface_cubic;
+    if (v->ray.sampler.cubic && !v->layer)
+        return v->solid ? k->surface_cubic : k->composite_cubic;
     return k->of[kernel_of(v)][vvi_lattice_kernel(&v->hold.lattice)];
 }
 
@@ -191,7 +193,7 @@ static void choose_clouds(vvi_raycast_state *s)
         }
         any |= v->visible;
         f->volume[f->n_volumes++] = v->ray; /* steps begin where the first volume does, seen or not */
-        s->cloud = v->kernel && f->n_volumes == 1 ? v : NULL;
+        s->cloud = f->n_volumes == 1 ? v : NULL;
     }
     f->opaque = s->volume[0].ray.opaque;
     if (s->cloud || !any)
@@ -214,8 +216,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         const vv_status st = prepare_volume(v, scene, job);
         if (st != VV_OK)
             return st;
-        if (v->solid || !vvi_raycast_needs_more(v))
-            v->kernel = own_kernel(v, k);
+        v->kernel = own_kernel(v, k);
         s->n_layers += v->layer;
     }
     /* where layers are all there is, the first lies over nothing: it is as dense as if it were alone */

@@ -13,8 +13,6 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
 vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job);
 /** Where colours come from, if not from the classification. */
 vv_status vvi_raycast_find_paint(vvi_raycast_volume *v, vv_job *job);
-/** Whether more than the table decides what is seen, so that only the kernel of several volumes can draw it. */
-bool vvi_raycast_needs_more(const vvi_raycast_volume *v);
 /** Order, threshold and lengths of the modes that show one value of each ray. */
 void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p);
 /** Between which stored values it is solid. */

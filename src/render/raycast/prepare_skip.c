@@ -57,12 +57,14 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
     return st;
 }
 
-/* How many blocks beyond its own a sample may read: to an integrated step's other end. */
+/* How many blocks beyond its own a sample may read. An integrated step that lies in empty blocks as a whole sees none
+ * of the values between its ends: what is interpolated has no gaps, but for samples that are no numbers. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
     const vvi_march_volume *f = &v->ray;
     double most = 0;
-    if (f->classifier.kind != VVI_CLASSIFY_INTEGRATED)
+    if (f->classifier.kind != VVI_CLASSIFY_INTEGRATED ||
+        !(v->actor->statistics->nan_count + v->actor->statistics->infinite_count))
         return 0;
     for (int a = 0; a < 3; a++) {
         const double *m = f->sampler.world_to_index[a];

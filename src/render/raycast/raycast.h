@@ -67,7 +67,7 @@ typedef struct vvi_raycast_volume {
 } vvi_raycast_volume;
 
 /** A frame. Tests make one to compare kernels with the reference. Surfaces and meshes are found first, the nearest
- * along each ray; clouds are then in front of them, one by its own kernel if it is plain, else all of them blended.
+ * along each ray; clouds are then in front of them, one by its own kernel, several blended.
  * Layers lie over the light of all these, one after the other in the order of volumes. */
 typedef struct vvi_raycast_state {
     vvi_raycast_volume volume[VVI_BLEND_VOLUMES];
@@ -85,10 +85,14 @@ typedef struct vvi_raycast_state {
     size_t n_bricks;
 } vvi_raycast_state;
 
-/** Whether the kernel of one cloud or solid draws it. */
+/** Whether more than the table decides what is seen: plain kernels have no more. */
+bool vvi_raycast_needs_more(const vvi_raycast_volume *v);
+
+/** Whether it is one cloud by a table of its values, or one solid. */
 static inline bool vvi_raycast_is_plain(const vvi_raycast_state *s)
 {
-    return s->n_volumes == 1 && s->volume[0].kernel && !s->volume[0].layer;
+    const vvi_raycast_volume *v = &s->volume[0];
+    return s->n_volumes == 1 && !v->layer && (v->solid || !vvi_raycast_needs_more(v));
 }
 
 /** Whether these parameters show a volume as a solid, and the values that it has. */
