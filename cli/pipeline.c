@@ -85,7 +85,7 @@ static void report_plan(cli_command *command, const char *output, const vvi_run_
                      run->finds_type ? ", as values: in the smallest type that holds them" : "");
     cli_command_line(command, "needs", "%s%s%s%s%s%s", run->streamed ? "at most " : "", needed,
                      run->streamed ? ", the limit, slab by slab" : " for samples and results",
-                     run->scratch   ? "; a temporary file of "
+                     run->scratch   ? "; temporary files of "
                      : run->working ? "; about "
                                     : "",
                      run->scratch   ? scratch

@@ -94,7 +94,8 @@ typedef struct vv_run_about {
     vv_field_info result;          /**< as it was made */
     vv_field_info written;         /**< and as it is in the file */
     double load_s, run_s, write_s; /**< seconds; streamed: all is in the last */
-    uint64_t scratch;              /**< bytes of temporary files, as planned: of steps that stream in several passes */
+    uint64_t scratch;              /**< bytes of temporary files, as planned: of steps that stream in several passes,
+                                        and between steps that look around samples */
 } vv_run_about;
 
 typedef struct vv_run vv_run;

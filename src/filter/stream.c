@@ -1,6 +1,7 @@
 #include "filter/stream.h"
 #include "core/memory.h"
 #include "filter/operation.h"
+#include "grid/store.h"
 #include <string.h>
 
 enum {
@@ -118,12 +119,24 @@ static vv_status make_box(vv_field **out, stream *s, const vv_box *box, vv_job *
     return st;
 }
 
+static vv_status prepare(void *user, vv_job *job)
+{
+    const stream *s = user;
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < s->n_inputs && st == VV_OK; i++)
+        if (s->inputs[i])
+            st = vvi_field_prepare(s->inputs[i], job);
+    return st;
+}
+
 static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job)
 {
     stream *s = user;
     const vv_field *const *inputs = (const vv_field *const *)s->inputs;
     *out = NULL;
-    vv_status st = VV_OK;
+    vv_status st = prepare(s, job);
+    if (st != VV_OK)
+        return st;
     if (s->operation->run_box || s->found)
         return make_box(out, s, box, job);
     /* boxes are slabs of whole slices here: see the pool */
@@ -132,13 +145,14 @@ static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job
     return st == VV_OK ? vvi_field_slices(out, s->whole, box->lo[2], box->n[2], job) : st;
 }
 
-/* What the result really is: some know their scale only once they have looked at the samples. */
+/* What the result really is: those that look at the samples may know their scale only then. */
 static vv_status find_info(vv_field_info *info, stream *s, vv_job *job)
 {
     const vv_box first = {{0, 0, 0}, {1, 1, 1}};
     vv_field *corner = NULL;
     vv_status st = vvi_operation_plan(info, s->operation, (const vv_field *const *)s->inputs, s->n_inputs, s->params);
-    if (st != VV_OK || !s->operation->run_box || s->operation->passes)
+    const bool looks = s->operation->looks && s->operation->looks(s->params);
+    if (st != VV_OK || !looks || !s->operation->run_box || s->operation->passes)
         return st;
     if ((st = make_at_once(&corner, s, &first, job)) != VV_OK)
         return st;
@@ -164,12 +178,12 @@ vv_status vvi_operation_stream(vv_field **out, const vv_operation *operation, co
         s->inputs[i] = inputs[i] ? vv_field_retain(inputs[i]) : NULL;
     vv_status st = find_info(&s->info, s, job);
     memcpy(s->piece, s->info.grid.dims, sizeof s->piece);
-    if (st == VV_OK && operation->passes)
+    if (st == VV_OK && operation->passes && (st = prepare(s, job)) == VV_OK)
         st = operation->passes->find(&s->found, inputs, n_inputs, params, job);
     if (st != VV_OK) {
         drop(s);
         return st;
     }
-    const vvi_lazy_source source = {make, drop, s};
+    const vvi_lazy_source source = {make, drop, s, prepare, operation->in_order};
     return vvi_field_lazy(out, &s->info, &source, pool, job);
 }

@@ -159,6 +159,12 @@ bool vvi_field_is_lazy(const vv_field *field)
     return field->store->cls->lazy;
 }
 
+vv_status vvi_field_prepare(const vv_field *field, vv_job *job)
+{
+    const vvi_sample_store_class *cls = field->store->cls;
+    return cls->prepare ? cls->prepare(field->store, job) : VV_OK;
+}
+
 bool vvi_field_is_damaged(const vv_field *field)
 {
     const vvi_sample_store *store = field->store;

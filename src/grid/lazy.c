@@ -20,6 +20,7 @@ struct vvi_lazy_pool {
     uint64_t most_bytes, least_bytes, clock;
     uint64_t slab_bytes; /* now, between the two */
     bool alone;          /* there is room for one slab at a time */
+    uint64_t made;       /* samples */
     slab slabs[SLABS_KEPT];
 };
 
@@ -46,6 +47,12 @@ vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, uint64_t l
     return VV_OK;
 }
 
+vvi_lazy_pool *vvi_lazy_pool_retain(vvi_lazy_pool *pool)
+{
+    atomic_fetch_add_explicit(&pool->refs, 1, memory_order_relaxed);
+    return pool;
+}
+
 void vvi_lazy_pool_release(vvi_lazy_pool *pool)
 {
     if (!pool || atomic_fetch_sub_explicit(&pool->refs, 1, memory_order_acq_rel) != 1)
@@ -54,6 +61,28 @@ void vvi_lazy_pool_release(vvi_lazy_pool *pool)
         vv_field_release(pool->slabs[i].field);
     pthread_mutex_destroy(&pool->lock);
     vvi_free(pool);
+}
+
+static void empty(slab *kept)
+{
+    vv_field_release(kept->field);
+    *kept = (slab){0};
+}
+
+void vvi_lazy_pool_empty(vvi_lazy_pool *pool)
+{
+    pthread_mutex_lock(&pool->lock);
+    for (int i = 0; i < SLABS_KEPT; i++)
+        empty(&pool->slabs[i]);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+uint64_t vvi_lazy_pool_made(vvi_lazy_pool *pool)
+{
+    pthread_mutex_lock(&pool->lock);
+    const uint64_t made = pool->made;
+    pthread_mutex_unlock(&pool->lock);
+    return made;
 }
 
 static uint64_t slice_bytes(const lazy *s)
@@ -89,12 +118,6 @@ static slab *find(vvi_lazy_pool *pool, const lazy *s, int64_t k)
     return NULL;
 }
 
-static void empty(slab *kept)
-{
-    vv_field_release(kept->field);
-    *kept = (slab){0};
-}
-
 /* Nothing is kept, or half as many slices are made; false: there are as few as may be, and it is for others to have
  * less. */
 static bool shrink(const lazy *s)
@@ -113,6 +136,17 @@ static bool shrink(const lazy *s)
     return thinner;
 }
 
+/* Under the lock. */
+static vv_status make(vv_field **out, const lazy *s, const vv_box *box, vv_job *job)
+{
+    vvi_job_hush(job, 1);
+    const vv_status st = s->source.make(out, s->source.user, box, job);
+    vvi_job_hush(job, -1);
+    if (st == VV_OK)
+        s->pool->made += (uint64_t)(box->n[0] * box->n[1] * box->n[2]);
+    return st;
+}
+
 /* Under the lock. The oldest slab goes before the new one is made, so that no more than two are ever held. */
 static vv_status make_slab(slab **out, const lazy *s, int64_t k, vv_job *job)
 {
@@ -123,14 +157,12 @@ static vv_status make_slab(slab **out, const lazy *s, int64_t k, vv_job *job)
     for (int i = 0; i < SLABS_KEPT; i++)
         if (s->pool->alone || &s->pool->slabs[i] == oldest)
             empty(&s->pool->slabs[i]);
-    vvi_job_hush(job, 1);
     vv_status st;
     vv_box box;
     do {
         box = slab_box(s, k);
-        st = s->source.make(&oldest->field, s->source.user, &box, job);
+        st = make(&oldest->field, s, &box, job);
     } while (st == VV_E_LIMIT && shrink(s));
-    vvi_job_hush(job, -1);
     if (st != VV_OK)
         return st;
     oldest->of = &s->head;
@@ -258,9 +290,7 @@ static vv_status brick_of_box(vv_brick *out, lazy *s, const vv_box *box, vv_job 
     h->head.release = release_held;
     h->damaged = &s->damaged;
     pthread_mutex_lock(&s->pool->lock);
-    vvi_job_hush(job, 1);
-    const vv_status st = s->source.make(&h->field, s->source.user, box, job);
-    vvi_job_hush(job, -1);
+    const vv_status st = make(&h->field, s, box, job);
     pthread_mutex_unlock(&s->pool->lock);
     return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
 }
@@ -288,6 +318,12 @@ static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const 
     return brick_of_slabs(out, s, box, job);
 }
 
+static vv_status lazy_prepare(vvi_sample_store *store, vv_job *job)
+{
+    const vvi_lazy_source *source = &((lazy *)store)->source;
+    return source->prepare ? source->prepare(source->user, job) : VV_OK;
+}
+
 static bool lazy_damaged(const vvi_sample_store *store)
 {
     return atomic_load(&((lazy *)(uintptr_t)store)->damaged);
@@ -312,6 +348,7 @@ static const vvi_sample_store_class lazy_class = {
     .name = "lazy",
     .lazy = true,
     .brick = lazy_brick,
+    .prepare = lazy_prepare,
     .damaged = lazy_damaged,
     .drop = lazy_drop,
 };
@@ -329,7 +366,7 @@ vv_status vvi_field_lazy(vv_field **out, const vv_field_info *info, const vvi_la
             source->drop(source->user);
         return st;
     }
-    atomic_fetch_add_explicit(&pool->refs, 1, memory_order_relaxed);
-    *s = (lazy){.head = {.cls = &lazy_class, .refs = 1}, .info = *info, .source = *source, .pool = pool};
+    *s = (lazy){
+        .head = {.cls = &lazy_class, .refs = 1}, .info = *info, .source = *source, .pool = vvi_lazy_pool_retain(pool)};
     return vvi_field_on_samples(out, info, &s->head, job ? vv_job_runtime(job) : NULL, job);
 }

@@ -13,7 +13,12 @@ typedef struct vvi_lazy_pool vvi_lazy_pool;
  * fails for want of memory, they get thinner: down to least_bytes; where that is 0 to one slice, and one of them is
  * kept where that is enough. */
 vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, uint64_t least_bytes, vv_job *job);
+vvi_lazy_pool *vvi_lazy_pool_retain(vvi_lazy_pool *pool);
 void vvi_lazy_pool_release(vvi_lazy_pool *pool); /* NULL is fine */
+/** No slab is kept any longer. */
+void vvi_lazy_pool_empty(vvi_lazy_pool *pool);
+/** Samples that were made for its fields so far. */
+uint64_t vvi_lazy_pool_made(vvi_lazy_pool *pool);
 
 typedef struct vvi_lazy_source {
     /** The samples of one box, as a field of its own. Never called twice at once for the fields of one pool. */
@@ -21,6 +26,8 @@ typedef struct vvi_lazy_source {
     /** Once, when the field goes, and also when making it fails; NULL: nothing to do. */
     void (*drop)(void *user);
     void *user;
+    /** vvi_field_prepare() of what make() asks; NULL: nothing to do. */
+    vv_status (*prepare)(void *user, vv_job *job);
     bool boxes; /**< small boxes are as quick as what is in them: those that are no whole slices are made alone */
 } vvi_lazy_source;
 

@@ -14,6 +14,8 @@ typedef struct vvi_sample_store_class {
     bool lazy; /**< samples are made when they are asked for, and not kept all at once */
     /** Fills data, stride, guard_bytes and owner; box, type and components are set and checked before. */
     vv_status (*brick)(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job);
+    /** Work that has to be done once before any brick; NULL: none. */
+    vv_status (*prepare)(vvi_sample_store *store, vv_job *job);
     /** Whether samples were lost after the field was made; NULL: never. */
     bool (*damaged)(const vvi_sample_store *store);
     void (*drop)(vvi_sample_store *store);
@@ -44,6 +46,8 @@ vv_status vvi_field_on_samples(vv_field **out, const vv_field_info *info, vvi_sa
 vvi_sample_store *vvi_field_store(const vv_field *field);
 /** Whether its samples are made when they are asked for. */
 bool vvi_field_is_lazy(const vv_field *field);
+/** What bricks of it wait for is done now, in passes over all that it is made of: for whoever holds no memory yet. */
+vv_status vvi_field_prepare(const vv_field *field, vv_job *job);
 /** vv_field_health() without a sentence. */
 bool vvi_field_is_damaged(const vv_field *field);
 #endif

@@ -42,7 +42,7 @@ static vv_status stream(vv_field **out, const frame_of_file *of, bool boxes, vvi
     *f = *of;
     vvi_file_follow(f->file, VVI_FOLLOW_SLABS);
     info.frame = f->frame;
-    const vvi_lazy_source source = {make, drop, f, boxes};
+    const vvi_lazy_source source = {make, drop, f, .boxes = boxes};
     st = vvi_field_lazy(out, &info, &source, pool, job);
     if (st == VV_OK)
         vvi_file_tell_padding(f->file, *out);

@@ -27,7 +27,8 @@ static vv_status copy_plan(vv_run *r, const vvi_run_plan *plan)
     r->steps = vvi_calloc(n + 1, sizeof *r->steps);
     r->takes = vvi_calloc(n + 1, sizeof *r->takes);
     r->nodes = vvi_calloc(VVI_RUN_INPUTS + n, sizeof *r->nodes);
-    if (!r->steps || !r->takes || !r->nodes)
+    r->ways = vvi_calloc(n + 1, sizeof *r->ways);
+    if (!r->steps || !r->takes || !r->nodes || !r->ways)
         return vv_fail_memory((VVI_RUN_INPUTS + n) * sizeof *r->nodes);
     memcpy(r->inputs, plan->inputs, plan->n_inputs * sizeof *plan->inputs);
     if (n > 0)
@@ -86,6 +87,7 @@ void vv_run_release(vv_run *run)
     free(run->steps);
     free(run->takes);
     free(run->nodes);
+    free(run->ways);
     free(run);
 }
 

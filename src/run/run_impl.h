@@ -55,6 +55,7 @@ struct vv_run {
     vv_step *steps;       /* n_steps */
     vvi_run_takes *takes; /* n_steps */
     vvi_run_node *nodes;  /* VVI_RUN_INPUTS + n_steps */
+    vvi_stream_way *ways; /* n_steps, where it is streamed */
     size_t n_inputs, n_steps;
     const char *name;
     vv_job *job;

@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "core/os.h"
 #include "grid/field.h"
+#include "grid/store.h"
 #include "io/file_stream.h"
 #include "run/run_impl.h"
 #include <inttypes.h>
@@ -169,29 +170,32 @@ static bool looks(const vv_step *step)
 static vv_status settle_alone(vv_run *r, const vv_step *step, const vv_data *first)
 {
     lend_looks(r, step);
-    if (r->settled || r->n_results > 1 || !first->field || !looks(step))
+    if (r->settled || r->stream.rehearses || r->n_results > 1 || !first->field || !looks(step))
         return VV_OK;
     const vv_field_series one = {open_only, first->field, 1};
-    return step->operation->settle(step->params, &one, r->job);
+    const vv_status st = vvi_field_prepare(first->field, r->job);
+    return st == VV_OK ? step->operation->settle(step->params, &one, r->job) : st;
 }
 
-static vv_status run_streamed(vv_data *out, vv_run *r, const vv_data *data, size_t n, size_t s)
+static vv_status run_streamed(vv_data *out, const frame *f, const vv_data *data, size_t n, size_t s)
 {
+    const vv_run *r = f->run;
     vv_field *fields[VVI_RUN_INPUTS];
     for (size_t i = 0; i < n; i++)
         fields[i] = data[i].field;
-    return vvi_stream_step(&out->field, &r->stream, fields, n, &r->steps[s], s, r->job);
+    return vvi_stream_step(&out->field, &r->stream, fields, n, &r->steps[s], s, f->index, r->job);
 }
 
-static vv_status run_on(vv_data *out, vv_run *r, const vv_data *data, size_t n, size_t s)
+static vv_status run_on(vv_data *out, const frame *f, const vv_data *data, size_t n, size_t s)
 {
+    vv_run *r = f->run;
     const vv_step *step = &r->steps[s];
     vv_status st = settle_alone(r, step, &data[0]);
     if (st == VV_OK && r->check && s == 0)
         st = r->check(r->check_user, step, &data[0]);
     if (st != VV_OK)
         return st;
-    return r->about.streamed ? run_streamed(out, r, data, n, s)
+    return r->about.streamed ? run_streamed(out, f, data, n, s)
                              : vv_operation_make(out, step->operation, data, n, step->params, r->job);
 }
 
@@ -214,7 +218,7 @@ static vv_status run_step(frame *f, size_t s)
         st = take_operand(&data[i], f, s, i);
     drop_used(f, s);
     if (st == VV_OK)
-        st = run_on(&f->node[VVI_RUN_INPUTS + s], r, data, n, s);
+        st = run_on(&f->node[VVI_RUN_INPUTS + s], f, data, n, s);
     for (size_t i = 0; i < n; i++)
         vv_data_release(&data[i]);
     return st;
@@ -245,7 +249,7 @@ static vv_status open_before(vv_field **out, void *user, size_t index, vv_job *j
     vv_data data = {0};
     const vv_status st = make_alone(&data, b->run, b->run->takes[b->step].from[0], (int64_t)index);
     *out = data.field;
-    return st;
+    return st == VV_OK ? vvi_field_prepare(data.field, job) : st;
 }
 
 /* Time steps share what their samples decide: else each would be stretched by itself. */
@@ -256,7 +260,7 @@ static vv_status settle_together(vv_run *r)
         const vv_step *step = &r->steps[s];
         before_step before = {r, s};
         const vv_field_series frames = {open_before, &before, (size_t)r->n_results};
-        if (r->n_results > 1 && looks(step))
+        if (r->n_results > 1 && looks(step) && !r->stream.rehearses)
             st = step->operation->settle(step->params, &frames, r->job);
     }
     return st;
@@ -326,6 +330,7 @@ vv_status vvi_run_make_all(vv_run *r)
         vvi_run_note_first(vv_file_info(first->file)->n_frames, r->job);
     if (r->about.makes == VV_IS_FIELD &&
         ((st = vvi_memory_plan(r->job, r->about.bytes + r->about.working, r->name)) != VV_OK ||
+         (r->about.streamed && (st = vvi_stream_reserve(&r->stream, r->ways, r->name, r->job)) != VV_OK) ||
          (st = allow_repeats(r)) != VV_OK || (st = settle_together(r)) != VV_OK))
         return st;
     r->results = vvi_calloc((size_t)r->n_results, sizeof *r->results);

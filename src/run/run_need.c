@@ -3,6 +3,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "grid/store.h"
 #include "run/run_impl.h"
 #include <volvis/runtime.h>
 
@@ -25,11 +26,11 @@ static vv_status make_first(const vv_run *r, vv_job *job)
     return st;
 }
 
-/* Passes over all samples are too much for a trial. */
+/* Passes over all samples are too much for a trial, and so is what goes through files. */
 static bool has_passes(const vv_run *r)
 {
     for (size_t s = 0; s < r->n_steps; s++)
-        if (r->steps[s].operation->passes)
+        if (r->steps[s].operation->passes || r->ways[s].spooled)
             return true;
     return false;
 }
@@ -115,7 +116,7 @@ vv_status vvi_run_make_fitting(vv_run *r)
     if (st != VV_OK)
         return st;
     st = vvi_run_make(r);
-    if (st == VV_OK && r->about.streamed)
+    if (st == VV_OK && r->about.streamed && (st = vvi_field_prepare(r->results[0].field, r->job)) == VV_OK)
         st = make_first(r, r->job);
     /* memory is of no file; and what has passed the rehearsal says itself what it lacks */
     return st != VV_E_LIMIT || !r->about.streamed || passes || vv_error_last()->file ? st : tell_need(r);

@@ -170,6 +170,7 @@ static vv_status plan_step(vv_run *r, size_t s)
     r->whole |= o->run_box ? working > 0 : !o->passes;
     if (o->passes && o->passes->scratch && !r->whole)
         r->about.scratch += o->passes->scratch(infos, o->joins ? 1 : takes->n, step->params);
+    r->ways[s].bytes = bytes;
     r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     return VV_OK;
 }
@@ -218,6 +219,53 @@ static vv_status plan_reading(vv_run *r)
     return VV_OK;
 }
 
+/* Whether a step asks for each slice once, in their order. */
+static bool goes_in_order(const vv_step *step)
+{
+    const vv_operation *o = step->operation;
+    return o->in_order && !(o->looks && o->looks(step->params));
+}
+
+static bool spools(const vv_run *r, size_t s)
+{
+    const int node = VVI_RUN_INPUTS + (int)s;
+    bool in_order = r->steps[s].operation->in_order && r->nodes[node].n_uses < 2;
+    for (size_t t = s + 1; t < r->n_steps; t++)
+        for (size_t i = 0; i < r->takes[t].n; i++)
+            in_order = in_order && (r->takes[t].from[i] != node || goes_in_order(&r->steps[t]));
+    return r->nodes[node].read && !in_order;
+}
+
+/* What goes through slice by slice is made as it is asked for. Whoever looks around a sample asks for slices more often
+ * than once, and so does whoever makes them: in a chain that would be more with every step, so that a file comes in
+ * between. Two are enough where each is made of the one before alone. */
+static void choose_ways(vv_run *r)
+{
+    bool plain = true;
+    for (size_t s = 1; s < r->n_steps; s++)
+        plain = plain && r->nodes[VVI_RUN_INPUTS + s - 1].last_use == s;
+    for (size_t s = 0, n = 0; s + 1 < r->n_steps; s++) {
+        vvi_stream_way *way = &r->ways[s];
+        way->spooled = spools(r, s);
+        if (way->spooled)
+            way->file = plain ? n++ % 2 : n++;
+    }
+}
+
+/* Bytes of the temporary files. */
+static uint64_t spooled_bytes(const vv_run *r)
+{
+    uint64_t all = 0;
+    for (size_t s = 0; s < r->n_steps; s++) {
+        bool most = r->ways[s].spooled; /* the largest of its file counts, the first of equal ones */
+        for (size_t t = 0; t < r->n_steps; t++)
+            if (t != s && r->ways[t].spooled && r->ways[t].file == r->ways[s].file)
+                most = most && (t < s ? r->ways[t].bytes < r->ways[s].bytes : r->ways[t].bytes <= r->ways[s].bytes);
+        all += most ? r->ways[s].bytes : 0;
+    }
+    return all;
+}
+
 /* More than fits is streamed, unless a step cannot: then what it takes is said before the work. */
 static vv_status plan_memory(vv_run *r)
 {
@@ -228,7 +276,10 @@ static vv_status plan_memory(vv_run *r)
         place[i] = r->nodes[i].pool == i ? n++ : place[r->nodes[i].pool];
         r->nodes[i].pool = place[i];
     }
-    if (streamed && (st = vvi_stream_init(&r->stream, n, r->n_steps, r->job)) == VV_OK) {
+    if (streamed)
+        choose_ways(r);
+    if (streamed && (st = vvi_stream_init(&r->stream, n, r->ways, r->n_steps, r->job)) == VV_OK) {
+        r->about.scratch += spooled_bytes(r);
         r->about.bytes = r->stream.bytes;
         r->about.working = 0;
     } else

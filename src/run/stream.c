@@ -17,13 +17,16 @@ void vvi_stream_free(vvi_stream *stream)
 {
     for (size_t i = 0; i < stream->n_pools; i++)
         vvi_lazy_pool_release(stream->pools[i]);
+    for (size_t i = 0; stream->spools && i < stream->n_steps; i++)
+        vvi_spool_release(stream->spools[i]);
     free(stream->pools);
+    free(stream->spools);
     *stream = (vvi_stream){0};
 }
 
-/* Each pool keeps two slabs, and making one may take a few more. Those of the result are as thick as can be, as what
- * steps look at around a slab is made and read over and over; where there is no room for them they get thinner, and
- * those on the way to them a little. */
+/* Each pool keeps two slabs, and making one may take a few more. Those of the result, and of what goes into a file, are
+ * as thick as can be, as what steps look at around a slab is made and read over and over; where there is no room for
+ * them they get thinner, and those on the way to them a little. */
 static vv_status add_pool(vvi_stream *stream, uint64_t slab_bytes, bool is_result, vv_job *job)
 {
     const uint64_t most = is_result ? vv_runtime_memory_limit(vv_job_runtime(job)) / 4 : slab_bytes;
@@ -32,19 +35,61 @@ static vv_status add_pool(vvi_stream *stream, uint64_t slab_bytes, bool is_resul
     return st;
 }
 
-vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, size_t n_steps, vv_job *job)
+/* Of a step that is spooled: the file that one before it has, or its own. */
+static vv_status add_spool(vvi_stream *stream, const vvi_stream_way *ways, size_t step, vv_job *job)
 {
-    const size_t n = n_inputs + n_steps;
+    for (size_t s = 0; s < step; s++)
+        if (ways[s].spooled && ways[s].file == ways[step].file) {
+            stream->spools[step] = vvi_spool_retain(stream->spools[s]);
+            return VV_OK;
+        }
+    return vvi_spool_new(&stream->spools[step], job);
+}
+
+static vv_status add_steps(vvi_stream *stream, const vvi_stream_way *ways, uint64_t slab_bytes, vv_job *job)
+{
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < stream->n_steps && st == VV_OK; s++) {
+        const bool spooled = ways && ways[s].spooled;
+        st = add_pool(stream, slab_bytes, spooled || s + 1 == stream->n_steps, job);
+        if (spooled && st == VV_OK)
+            st = add_spool(stream, ways, s, job);
+    }
+    return st;
+}
+
+vv_status vvi_stream_init(vvi_stream *out, size_t n_inputs, const vvi_stream_way *ways, size_t n_steps, vv_job *job)
+{
+    size_t n = n_inputs + n_steps; /* that have slabs at once: those that are spooled have them one after the other */
+    for (size_t s = 0; ways && s < n_steps; s++)
+        n -= ways[s].spooled;
     const uint64_t slab_bytes = vv_runtime_memory_limit(vv_job_runtime(job)) / (8 * n);
     vv_status st = VV_OK;
-    *out = (vvi_stream){.n_inputs = n_inputs, .bytes = 2 * n * slab_bytes};
-    out->pools = vvi_calloc(n, sizeof(vvi_lazy_pool *));
-    if (!out->pools)
-        return vv_fail_memory(n * sizeof(vvi_lazy_pool *));
-    while (out->n_pools < n && st == VV_OK)
-        st = add_pool(out, slab_bytes, n_steps > 0 && out->n_pools + 1 == n, job);
+    *out = (vvi_stream){.n_inputs = n_inputs, .n_steps = n_steps, .bytes = 2 * n * slab_bytes};
+    out->pools = vvi_calloc(n_inputs + n_steps, sizeof(vvi_lazy_pool *));
+    out->spools = vvi_calloc(n_steps + 1, sizeof(vvi_spool *));
+    if (!out->pools || !out->spools)
+        st = vv_fail_memory((n_inputs + n_steps) * sizeof(vvi_lazy_pool *));
+    for (size_t i = 0; i < n_inputs && st == VV_OK; i++)
+        st = add_pool(out, slab_bytes, false, job);
+    if (st == VV_OK)
+        st = add_steps(out, ways, slab_bytes, job);
     if (st != VV_OK)
         vvi_stream_free(out);
+    return st;
+}
+
+vv_status vvi_stream_reserve(const vvi_stream *stream, const vvi_stream_way *ways, const char *name, vv_job *job)
+{
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < stream->n_steps && st == VV_OK && !stream->rehearses; s++) {
+        uint64_t most = 0;
+        for (size_t i = 0; i < stream->n_steps; i++)
+            if (stream->spools[s] && stream->spools[i] == stream->spools[s] && ways[i].bytes > most)
+                most = ways[i].bytes;
+        if (stream->spools[s])
+            st = vvi_spool_reserve(stream->spools[s], most, name, job);
+    }
     return st;
 }
 
@@ -98,13 +143,30 @@ vv_status vvi_stream_read(vv_field **out, const vvi_stream *stream, vv_file *fil
     return vvi_file_stream(out, file, frame, stream->pools[index], job);
 }
 
+static vv_status make_step(vv_field **out, const vvi_stream *stream, vv_field *const *fields, size_t n,
+                           const vv_step *step, vvi_lazy_pool *pool, vv_job *job)
+{
+    const vv_operation *o = step->operation;
+    if (stream->rehearses && (o->passes || (o->looks && o->looks(step->params))))
+        return rehearse_passes(out, fields, n, step, pool, job);
+    return vvi_operation_stream(out, o, (const vv_field *const *)fields, n, step->params, pool, job);
+}
+
 vv_status vvi_stream_step(vv_field **out, const vvi_stream *stream, vv_field *const *fields, size_t n,
-                          const vv_step *step, size_t index, vv_job *job)
+                          const vv_step *step, size_t index, int64_t frame, vv_job *job)
 {
     vvi_lazy_pool *pool = stream->pools[stream->n_inputs + index];
-    if (stream->rehearses && step->operation->passes)
-        return rehearse_passes(out, fields, n, step, pool, job);
-    return vvi_operation_stream(out, step->operation, (const vv_field *const *)fields, n, step->params, pool, job);
+    vvi_spool *spool = stream->spools[index];
+    vv_field *made = NULL;
+    vv_status st = make_step(&made, stream, fields, n, step, pool, job);
+    *out = made;
+    if (st != VV_OK || !spool)
+        return st;
+    const vvi_spool_of of = {made, pool, step->operation->name, (uint64_t)frame * stream->n_steps + index,
+                             stream->rehearses};
+    st = vvi_spool_field(out, spool, &of, job);
+    vv_field_release(made);
+    return st;
 }
 
 vv_status vvi_stream_samples(vv_field **out, vvi_stream *stream, vv_file *file, int64_t frame, vv_job *job)
@@ -116,7 +178,7 @@ vv_status vvi_stream_samples(vv_field **out, vvi_stream *stream, vv_file *file, 
         return st;
     if (vv_file_mappable(file) || !vvi_stream_needed(bytes, job))
         return vv_file_read(out, file, frame, NULL, job);
-    if ((st = vvi_file_make_repeatable(file, job)) == VV_OK && (st = vvi_stream_init(stream, 1, 0, job)) == VV_OK)
+    if ((st = vvi_file_make_repeatable(file, job)) == VV_OK && (st = vvi_stream_init(stream, 1, NULL, 0, job)) == VV_OK)
         st = vvi_stream_read(out, stream, file, 0, frame, job);
     return st;
 }

@@ -130,6 +130,47 @@ def test_every_operation_streams_in_little_memory_or_says_what_it_needs():
             assert not os.path.exists("none.nrrd")
 
 
+def test_chains_of_five_make_the_same_bytes_of_all_types_and_time_steps():
+    make_volumes(("u1", "i8", "u8", "f8", "f4"))
+    ok("join", "@f4.nrrd", "@2f4.nrrd", "-o", "series.nrrd", "--encoding", "raw")
+    for name, steps in (("@u1.nrrd", "gaussian --sigma 1vox | median | unsharp | clamp --range 10..80 | gradient"),
+                        ("@i8.nrrd", "mean | dilate --radius 1vox | gradient --vector | channel --channel 1 | flip --axes z"),
+                        ("@u8.nrrd", "median | components --range 60.. | close --radius 1vox | pad --all 2 | crop --z 3:"),
+                        ("@f8.nrrd", "rescale --to 0..1 | gaussian --sigma 1vox | rescale --to 0..100 | laplacian | resample --spacing 1.5vox"),
+                        ("series.nrrd", "gaussian --sigma 1vox | rescale --to 0..1 | erode --radius 1vox | clamp --range 0.1..0.9 | unsharp")):
+        size = os.path.getsize(name)
+        ok("pipe", name, steps, "-o", "whole.nrrd", "--overwrite", "--encoding", "raw")
+        for share in (4, 8):
+            words = ["pipe", name, steps]
+            part = in_memory(words, size // share)
+            if part.code == 4:  # tables of a fixed size may be too much for so little
+                assert share == 8 or size < 8 * BYTES, part.message
+                assert "needs" in part.message and "--memory" in part.message and not os.path.exists("part.nrrd"), part.message
+                continue
+            assert part.code == 0 and part.json["streamed"], f"{words}: {part.message}"
+            with open("whole.nrrd", "rb") as whole, open("part.nrrd", "rb") as file:
+                assert whole.read() == file.read(), f"{words}: other bytes in 1/{share} of the memory"
+            os.remove("part.nrrd")
+
+
+def test_what_goes_through_files_says_so_and_asks_for_room_before_it_begins():
+    make_volumes(("f4",))
+    words = ["pipe", "@f4.nrrd", "gaussian --sigma 1vox | median | gradient"]
+    plan = in_memory(words + ["--dry-run"], BYTES)
+    assert plan.code == 0 and plan.json["scratch_bytes"] == 2 * 4 * BYTES, plan.message
+    done = volvis(*words, "-o", "part.nrrd", "--memory", str(BYTES), env={"TMPDIR": "/proc"})
+    assert done.code != 0 and "temporary file" in done.message and "TMPDIR" in done.message, done.message
+    assert not os.path.exists("part.nrrd")
+    os.mkdir("tmp")
+    before = sorted(os.listdir("."))
+    with subprocess.Popen([VOLVIS, *words, "-o", "part.nrrd", "--memory", str(BYTES), "--progress", "json"], stderr=subprocess.PIPE,
+                          env=environment(TMPDIR=os.path.abspath("tmp"))) as child:
+        child.stderr.readline()  # it is at work
+        child.send_signal(signal.SIGKILL)
+    assert child.returncode != 0 and os.listdir("tmp") == []
+    assert [name for name in sorted(os.listdir(".")) if not name.endswith(".part")] == before
+
+
 def test_a_refusal_says_how_much_is_enough():
     make_volumes(("f4",))
     words = ["median", "@f4.nrrd", "--radius", "3vox"]
