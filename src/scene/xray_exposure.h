@@ -7,9 +7,9 @@
 #include <volvis/sys/scene.h>
 
 /**
- * The largest mean of the data values along lines through the grid, of a few hundred lines along each axis. With
- * over_longest, their sums over the length of the volume's diagonal instead of over their own. Samples that are no
- * number count as nothing.
+ * The largest mean of the data values along lines through the grid, of a few hundred lines along each axis, or many
+ * more where these pass beside what is bright. With over_longest, their sums over the length of the volume's diagonal
+ * instead of over their own. Samples that are no number count as nothing.
  *
  * *out     data units; 0 for a field of no numbers
  */

@@ -4,6 +4,7 @@ import math
 import os
 import struct
 import numpy
+from PIL import Image
 import exr
 from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball, write_cells
 
@@ -198,6 +199,20 @@ def test_volumes_have_modes_of_their_own():
     says(told, "volumes.ct.rays.step does nothing", "surface casts no rays", "--method raycast")
     says(fails(2, "render", "ct.nrrd", "pet.nrrd", "-o", "b.png", "--iso", "pet=90"), "--iso takes one value", "volumes.pet.rays.mode=isosurface",
          "volumes.pet.rays.iso=90")
+
+
+def test_means_of_something_small_are_seen_at_once():
+    """Seven voxels among eight million, beside the lines by which the brightness is found first."""
+    n = 200
+    data = bytearray(n ** 3)
+    for dx, dy, dz in ((0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+        data[((56 + dz) * n + 134 + dy) * n + 73 + dx] = 200
+    with open("speck.nrrd", "wb") as file:
+        file.write(f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {n} {n} {n}\nencoding: raw\n\n".encode() + data)
+    write_ball("ct.nrrd")
+    for words in (["--mode", "mean"], ["--mode", "sum"], ["--set", "volumes.speck.rays.mode=mean"]):
+        ok("render", "speck.nrrd", *words, "--view", "front", "--parallel", n, "--size", "300", "-o", "a.png", "--overwrite")
+        assert max(Image.open("a.png").convert("L").tobytes()) > 100, words
 
 
 def test_a_layer_is_picked_where_it_hides_half():

@@ -61,6 +61,14 @@ void test_ray_scene_finish(test_ray_scene *s)
     vv_object_release(&s->params->base);
 }
 
+void test_ray_scene_set(test_ray_scene *s, const char *path, const char *json)
+{
+    vv_object *params = &s->params->base;
+    assert_int_equal(vv_path_set(&params, path, json, NULL), VV_OK);
+    s->params = (vvi_raycast_params *)params;
+    s->scene.params = params;
+}
+
 void test_ray_scene_opacity(test_ray_scene *s, const double *rows, size_t n)
 {
     memcpy(s->opacity, rows, n * 2 * sizeof *rows);

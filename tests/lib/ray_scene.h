@@ -21,6 +21,8 @@ typedef struct test_ray_scene {
  * composite, unshaded, step 1, opaque 0, opacity 0 at every value. */
 void test_ray_scene_init(test_ray_scene *s, const vv_field *field, double height);
 void test_ray_scene_finish(test_ray_scene *s);
+/** A parameter of the picture, as JSON. */
+void test_ray_scene_set(test_ray_scene *s, const char *path, const char *json);
 /** Opacity rows (value, opacity for a length of 1), and colour rows (value, r, g, b), ascending. */
 void test_ray_scene_opacity(test_ray_scene *s, const double *rows, size_t n);
 void test_ray_scene_color(test_ray_scene *s, const double *rows, size_t n);

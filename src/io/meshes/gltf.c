@@ -1,81 +1,21 @@
-/* The rows of glTF and GLB, and reading them: nodes with their maps, primitives of meshes, colours of materials. */
-#include "io/meshes/gltf.h"
+/* The rows of glTF and GLB, and reading them: nodes with their maps, and primitives of meshes. */
 #include "core/job.h"
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/json.h"
-#include "io/meshes/mesh_colors.h"
-#include "io/meshes/mesh_texture.h"
+#include "io/meshes/gltf_reader.h"
 #include "io/scan.h"
 #include "registry.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-#include <volvis/image.h>
 
-enum { DEPTH_MOST = 64, POINTS = 0, TRIANGLES = 4, STRIP = 5, FAN = 6 };
+enum { DEPTH_MOST = 64, TRIANGLES = 4, STRIP = 5, FAN = 6 };
 
 const vv_affine vvi_gltf_to_volvis = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}};
 
-/* What the vertices of a primitive are; the same for the next one of many files' parts. */
-typedef struct attributes {
-    size_t position, normal, color, value, coordinate;
-    bool has_position, has_normal, has_color, has_value, has_coordinate;
-    double factor[4];        /* of colours */
-    vvi_texture_alpha alpha; /* what that of colours means */
-    double cutoff;
-    double to_image[2][3]; /* coordinates there to those here: rows */
-} attributes;
-
-/* What a primitive's triangles look like. */
-typedef struct material {
-    double factor[4], color[4];
-    vvi_texture_alpha alpha;
-    double cutoff; /* of MASK */
-    bool colored;  /* color is there: the factor, or what our own writer noted of a part beside colours of vertices */
-    int64_t coordinates; /* number of the attribute */
-    double to_image[2][3];
-    size_t texture; /* as in vv_mesh_part */
-} material;
-
-/* An image of the file that was read with an alpha and in a way of going on. */
-typedef struct image_read {
-    const json_t *image;
-    vvi_texture_use use;
-    size_t texture;
-} image_read;
-
-typedef struct reader {
-    vvi_gltf g;
-    vvi_mesh_builder b;
-    vv_affine from_scene; /* to the mesh's axes and unit */
-    bool *seen;           /* nodes */
-    attributes last;
-    vv_affine last_map;
-    size_t first_vertex; /* of the last ones */
-    size_t n_other;      /* primitives of points and lines */
-    bool counting;       /* the first of two walks: nothing is made yet */
-    bool any_colors;     /* some vertices have colours: all others have their material's */
-    image_read *images;
-    size_t n_images;
-    uint64_t n_vertices, n_triangles, n_objects; /* counted */
-    vv_notes *notes;
-} reader;
-
 /* Maps ------------------------------------------------------------------------------------------------------------ */
-
-static bool numbers_at(double *out, size_t n, const json_t *object, const char *key)
-{
-    const json_t *list = json_object_get(object, key);
-    if (json_array_size(list) != n)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (!vvi_json_real(&out[i], json_array_get(list, i)))
-            return false;
-    return true;
-}
 
 static vv_affine affine_of_parts(const double t[3], const double q[4], const double s[3])
 {
@@ -86,18 +26,18 @@ static vv_affine affine_of_parts(const double t[3], const double q[4], const dou
                        {t[0], t[1], t[2]}};
 }
 
-static vv_status map_of_node(vv_affine *out, const reader *r, const json_t *node)
+static vv_status map_of_node(vv_affine *out, const vvi_gltf_reader *r, const json_t *node)
 {
     double m[16], t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
     if (json_object_get(node, "matrix")) {
-        if (!numbers_at(m, 16, node, "matrix"))
+        if (!vvi_gltf_numbers_at(m, 16, node, "matrix"))
             return vvi_gltf_fail(&r->g, "a node's 'matrix' is not 16 finite numbers");
         *out = (vv_affine){{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
         return VV_OK;
     }
-    if ((json_object_get(node, "translation") && !numbers_at(t, 3, node, "translation")) ||
-        (json_object_get(node, "rotation") && !numbers_at(q, 4, node, "rotation")) ||
-        (json_object_get(node, "scale") && !numbers_at(s, 3, node, "scale")))
+    if ((json_object_get(node, "translation") && !vvi_gltf_numbers_at(t, 3, node, "translation")) ||
+        (json_object_get(node, "rotation") && !vvi_gltf_numbers_at(q, 4, node, "rotation")) ||
+        (json_object_get(node, "scale") && !vvi_gltf_numbers_at(s, 3, node, "scale")))
         return vvi_gltf_fail(&r->g, "a node has an invalid translation, rotation or scale");
     *out = affine_of_parts(t, q, s);
     return VV_OK;
@@ -112,169 +52,9 @@ static vv_affine tidy(vv_affine a)
     return a;
 }
 
-/* Vertices -------------------------------------------------------------------------------------------------------- */
-
-static bool same_numbers(const double *p, const double *q, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        if (p[i] != q[i])
-            return false;
-    return true;
-}
-
-static bool same_map(const vv_affine *a, const vv_affine *b)
-{
-    return same_numbers(&a->axis[0].x, &b->axis[0].x, sizeof *a / sizeof a->axis[0].x);
-}
-
-/* Of an attribute that is not there the number is 0. */
-static bool same_attributes(const reader *r, const attributes *a, const vv_affine *map)
-{
-    const attributes *l = &r->last;
-    return l->has_position && a->has_position && l->position == a->position && l->has_normal == a->has_normal &&
-           l->normal == a->normal && l->has_color == a->has_color && l->color == a->color &&
-           l->has_value == a->has_value && l->value == a->value && l->has_coordinate == a->has_coordinate &&
-           l->coordinate == a->coordinate &&
-           (!r->any_colors ||
-            (same_numbers(l->factor, a->factor, 4) && l->alpha == a->alpha && l->cutoff == a->cutoff)) &&
-           same_numbers(l->to_image[0], a->to_image[0], 6) && same_map(&r->last_map, map);
-}
-
-static vv_status put_places(reader *r, const attributes *a, const vv_affine *map)
-{
-    vvi_gltf_numbers p;
-    vv_status st = vvi_gltf_read_accessor(&p, &r->g, a->position, 3, 3);
-    if (st != VV_OK)
-        return st;
-    r->first_vertex = r->b.info.n_vertices;
-    st = vvi_mesh_builder_vertices(&r->b, p.n);
-    for (size_t i = 0; i < p.n && st == VV_OK; i++) {
-        const vv_vec3 at = vv_affine_point(*map, (vv_vec3){p.v[3 * i], p.v[3 * i + 1], p.v[3 * i + 2]});
-        memcpy(r->b.places + 3 * (r->first_vertex + i), &at.x, 3 * sizeof at.x);
-    }
-    vvi_free(p.v);
-    return st;
-}
-
-/* By the transposed inverse, which keeps them upright on what is stretched. */
-static void turn_normal(float out[3], const double n[3], const vv_affine *inverse)
-{
-    for (int a = 0; a < 3; a++)
-        out[a] = (float)(n[0] * (&inverse->axis[a].x)[0] + n[1] * (&inverse->axis[a].x)[1] +
-                         n[2] * (&inverse->axis[a].x)[2]);
-}
-
-static vv_status put_normals(reader *r, const attributes *a, const vv_affine *map)
-{
-    vvi_gltf_numbers n;
-    vv_affine inverse;
-    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_NORMALS);
-    if (st != VV_OK || !vv_affine_invert(&inverse, *map) ||
-        (st = vvi_gltf_read_accessor(&n, &r->g, a->normal, 3, 3)) != VV_OK)
-        return st;
-    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
-        turn_normal(r->b.arrays.normals + 3 * (r->first_vertex + i), n.v + 3 * i, &inverse);
-    vvi_free(n.v);
-    return VV_OK;
-}
-
-/* Opacity of what has this alpha. */
-static double opacity_of(double alpha, vvi_texture_alpha means, double cutoff)
-{
-    return means == VVI_TEXTURE_BLEND ? alpha : means == VVI_TEXTURE_OPAQUE || alpha >= cutoff ? 1 : 0;
-}
-
-/* Linear there, sRGB here; times the material's. */
-static vv_status put_colors(reader *r, const attributes *a)
-{
-    vvi_gltf_numbers n = {0};
-    const double *f = a->factor;
-    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COLORS);
-    if (st == VV_OK && a->has_color)
-        st = vvi_gltf_read_accessor(&n, &r->g, a->color, 3, 4);
-    if (st != VV_OK)
-        return st;
-    for (size_t i = 0; r->first_vertex + i < r->b.info.n_vertices; i++) {
-        const double *v = i < n.n ? n.v + i * (size_t)n.components : NULL;
-        vv_color color = {f[0], f[1], f[2], f[3]};
-        if (v)
-            color = (vv_color){f[0] * v[0], f[1] * v[1], f[2] * v[2], n.components == 4 ? f[3] * v[3] : f[3]};
-        color.a = opacity_of(color.a, a->alpha, a->cutoff);
-        vvi_mesh_bytes_of(r->b.arrays.colors + 4 * (r->first_vertex + i), &color);
-    }
-    vvi_free(n.v);
-    return VV_OK;
-}
-
-static vv_status put_coordinates(reader *r, const attributes *a)
-{
-    vvi_gltf_numbers n;
-    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COORDINATES);
-    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->coordinate, 2, 2)) != VV_OK)
-        return st;
-    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
-        for (size_t k = 0; k < 2; k++) {
-            const double *row = a->to_image[k];
-            r->b.arrays.coordinates[2 * (r->first_vertex + i) + k] =
-                (float)(row[0] * n.v[2 * i] + row[1] * n.v[2 * i + 1] + row[2]);
-        }
-    vvi_free(n.v);
-    return VV_OK;
-}
-
-static vv_status put_values(reader *r, const attributes *a)
-{
-    vvi_gltf_numbers n;
-    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_VALUES);
-    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->value, 1, 1)) != VV_OK)
-        return st;
-    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
-        r->b.arrays.values[r->first_vertex + i] = (float)n.v[i];
-    vvi_free(n.v);
-    return VV_OK;
-}
-
-static vv_status put_vertices(reader *r, const attributes *a, const vv_affine *map)
-{
-    if (same_attributes(r, a, map))
-        return VV_OK;
-    vv_status st = put_places(r, a, map);
-    if (st == VV_OK && a->has_normal)
-        st = put_normals(r, a, map);
-    if (st == VV_OK && r->any_colors)
-        st = put_colors(r, a);
-    if (st == VV_OK && a->has_coordinate)
-        st = put_coordinates(r, a);
-    if (st == VV_OK && a->has_value)
-        st = put_values(r, a);
-    r->last = *a;
-    r->last_map = *map;
-    return st;
-}
-
-static vv_status find_attributes(attributes *out, const reader *r, const json_t *primitive, const material *m)
-{
-    char coordinates[32];
-    const json_t *list = json_object_get(primitive, "attributes");
-    const size_t n = json_array_size(json_object_get(r->g.root, "accessors"));
-    vv_status st;
-    *out = (attributes){0};
-    memcpy(out->factor, m->factor, sizeof out->factor);
-    out->alpha = m->alpha;
-    out->cutoff = m->cutoff;
-    memcpy(out->to_image, m->to_image, sizeof out->to_image);
-    snprintf(coordinates, sizeof coordinates, "TEXCOORD_%lld", (long long)m->coordinates);
-    if ((st = vvi_gltf_index(&r->g, list, "POSITION", n, &out->position, &out->has_position)) == VV_OK &&
-        (st = vvi_gltf_index(&r->g, list, "NORMAL", n, &out->normal, &out->has_normal)) == VV_OK &&
-        (st = vvi_gltf_index(&r->g, list, "COLOR_0", n, &out->color, &out->has_color)) == VV_OK &&
-        (st = vvi_gltf_index(&r->g, list, coordinates, n, &out->coordinate, &out->has_coordinate)) == VV_OK)
-        st = vvi_gltf_index(&r->g, list, "_VALUE", n, &out->value, &out->has_value);
-    return st;
-}
-
 /* Triangles ------------------------------------------------------------------------------------------------------- */
 
-static vv_status put_one(reader *r, size_t a, size_t b, size_t c, bool mirrored)
+static vv_status put_one(vvi_gltf_reader *r, size_t a, size_t b, size_t c, bool mirrored)
 {
     const uint32_t first = (uint32_t)r->first_vertex;
     const uint32_t t[3] = {first + (uint32_t)a, first + (uint32_t)(mirrored ? c : b),
@@ -283,7 +63,7 @@ static vv_status put_one(reader *r, size_t a, size_t b, size_t c, bool mirrored)
 }
 
 /* index NULL: vertices in their order. */
-static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t mode, bool mirrored)
+static vv_status put_triangles(vvi_gltf_reader *r, const double *index, size_t n, int64_t mode, bool mirrored)
 {
     const size_t step = mode == TRIANGLES ? 3 : 1;
     const size_t n_vertices = r->b.info.n_vertices - r->first_vertex;
@@ -306,174 +86,7 @@ static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t
     return st;
 }
 
-/* Materials ------------------------------------------------------------------------------------------------------- */
-
-static vvi_texture_use use_of(const reader *r, const material *m, const json_t *texture)
-{
-    enum { CLAMP = 33071, MIRROR = 33648 };
-    static const char *const keys[2] = {"wrapS", "wrapT"};
-    vvi_texture_use use = {.alpha = m->alpha, .cutoff = m->cutoff};
-    int64_t at, code;
-    const json_t *sampler = NULL;
-    if (vvi_json_whole(&at, json_object_get(texture, "sampler")) && at >= 0)
-        sampler = json_array_get(json_object_get(r->g.root, "samplers"), (size_t)at);
-    for (int k = 0; k < 2; k++)
-        if (vvi_json_whole(&code, json_object_get(sampler, keys[k])))
-            use.wrap[k] = code == CLAMP ? VV_WRAP_CLAMP : code == MIRROR ? VV_WRAP_MIRROR : VV_WRAP_REPEAT;
-    return use;
-}
-
-/* In the file or as text in it, or beside it. */
-static vv_status open_image(size_t *texture, reader *r, const json_t *image, const vvi_texture_use *use)
-{
-    const char *uri = json_string_value(json_object_get(image, "uri"));
-    vvi_gltf_bytes bytes;
-    vv_source *source;
-    char name[1024];
-    if (uri && strncmp(uri, "data:", 5) != 0)
-        return vvi_gltf_decode_uri(name, uri)
-                   ? vvi_mesh_texture_find(texture, &r->b, name, use, r->notes)
-                   : vvi_notes_warn(r->notes, "the image '%.100s' on its triangles is not a file next to it", uri);
-    vv_status st = vvi_gltf_read_bytes(&bytes, &r->g, image);
-    if (st != VV_OK)
-        return st;
-    st = vvi_source_memory(&source, bytes.at, bytes.n, r->g.file, r->g.job);
-    if (st == VV_OK) {
-        const char *said = json_string_value(json_object_get(image, "name"));
-        st = vvi_mesh_texture_read(texture, &r->b, source, said ? said : "", use, r->notes);
-        vvi_source_close(source);
-    }
-    vvi_free(bytes.owned);
-    return st;
-}
-
-static bool is_same_use(const vvi_texture_use *a, const vvi_texture_use *b)
-{
-    return a->wrap[0] == b->wrap[0] && a->wrap[1] == b->wrap[1] && a->alpha == b->alpha && a->cutoff == b->cutoff;
-}
-
-/* Each once. */
-static vv_status read_image(size_t *texture, reader *r, const json_t *image, const vvi_texture_use *use)
-{
-    for (size_t i = 0; i < r->n_images; i++)
-        if (r->images[i].image == image && is_same_use(&r->images[i].use, use)) {
-            *texture = r->images[i].texture;
-            return VV_OK;
-        }
-    image_read *grown = vvi_realloc(r->g.job, r->images, (r->n_images + 1) * sizeof *grown, VVI_MEM_SCRATCH);
-    if (!grown)
-        return vv_fail_memory((r->n_images + 1) * sizeof *grown);
-    r->images = grown;
-    const vv_status st = open_image(texture, r, image, use);
-    if (st == VV_OK)
-        r->images[r->n_images++] = (image_read){image, *use, *texture};
-    return st;
-}
-
-/* KHR_texture_transform: scale, then turn, then shift; and v runs upwards here. */
-static void take_transform(material *m, const json_t *info)
-{
-    const json_t *t = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
-    double scale[2] = {1, 1}, offset[2] = {0, 0}, turn = 0;
-    int64_t set;
-    double v[2];
-    if (numbers_at(v, 2, t, "scale"))
-        memcpy(scale, v, sizeof v);
-    if (numbers_at(v, 2, t, "offset"))
-        memcpy(offset, v, sizeof v);
-    if (!vvi_json_real(&turn, json_object_get(t, "rotation")))
-        turn = 0;
-    if (vvi_json_whole(&set, json_object_get(t, "texCoord")) && set >= 0)
-        m->coordinates = set;
-    const double c = cos(turn), s = sin(turn);
-    const double rows[2][3] = {{c * scale[0], s * scale[1], offset[0]}, {s * scale[0], -c * scale[1], 1 - offset[1]}};
-    memcpy(m->to_image, rows, sizeof rows);
-}
-
-/* The texture of a material, and its image; NULL: none. */
-static vv_status find_image(const json_t **texture, const json_t **image, const reader *r, const json_t *info)
-{
-    const json_t *textures = json_object_get(r->g.root, "textures"), *images = json_object_get(r->g.root, "images");
-    size_t index;
-    bool there;
-    *image = NULL;
-    vv_status st = vvi_gltf_index(&r->g, info, "index", json_array_size(textures), &index, &there);
-    if (st != VV_OK || !there)
-        return st;
-    *texture = json_array_get(textures, index);
-    st = vvi_gltf_index(&r->g, *texture, "source", json_array_size(images), &index, &there);
-    if (st == VV_OK && there)
-        *image = json_array_get(images, index);
-    return st;
-}
-
-static vv_status read_texture(material *m, reader *r, size_t number, const json_t *info)
-{
-    const json_t *texture, *image;
-    int64_t set;
-    if (vvi_json_whole(&set, json_object_get(info, "texCoord")) && set >= 0)
-        m->coordinates = set;
-    take_transform(m, info);
-    if (r->counting)
-        return VV_OK;
-    const vv_status st = find_image(&texture, &image, r, info);
-    if (st == VV_E_FORMAT)
-        return vvi_notes_warn(r->notes, "the image of material %zu (counted from 0) is left out: %.200s", number,
-                              vv_error_last()->message);
-    if (st != VV_OK || !image)
-        return st;
-    const vvi_texture_use use = use_of(r, m, texture);
-    return read_image(&m->texture, r, image, &use);
-}
-
-static void take_alpha(material *m, const json_t *of)
-{
-    const char *mode = json_string_value(json_object_get(of, "alphaMode"));
-    const json_t *cutoff = json_object_get(of, "alphaCutoff");
-    m->alpha = VVI_TEXTURE_OPAQUE;
-    if (mode && strcmp(mode, "BLEND") == 0)
-        m->alpha = VVI_TEXTURE_BLEND;
-    else if (mode && strcmp(mode, "MASK") == 0)
-        m->alpha = VVI_TEXTURE_MASK;
-    if (!cutoff || !vvi_json_real(&m->cutoff, cutoff) || !(m->cutoff >= 0))
-        m->cutoff = 0.5;
-}
-
-/* An image of MASK is cut off together with the factor's alpha, which comes to cutting it off at another value. */
-static void settle_alpha(material *m, bool image)
-{
-    double *a = &m->factor[3];
-    if (m->alpha == VVI_TEXTURE_OPAQUE)
-        *a = 1;
-    if (m->alpha == VVI_TEXTURE_MASK && image) {
-        m->cutoff = *a > 0 ? m->cutoff / *a : m->cutoff > 0 ? 2 : 0;
-        *a = 1;
-    }
-    m->color[3] = image ? *a : opacity_of(*a, m->alpha, m->cutoff);
-}
-
-static vv_status find_material(material *out, reader *r, const json_t *primitive)
-{
-    const json_t *materials = json_object_get(r->g.root, "materials");
-    size_t index;
-    bool there;
-    *out = (material){.factor = {1, 1, 1, 1}, .alpha = VVI_TEXTURE_OPAQUE, .to_image = {{1, 0, 0}, {0, -1, 1}}};
-    const vv_status st = vvi_gltf_index(&r->g, primitive, "material", json_array_size(materials), &index, &there);
-    if (st != VV_OK || !there)
-        return st;
-    const json_t *of = json_array_get(materials, index), *pbr = json_object_get(of, "pbrMetallicRoughness");
-    double v[4];
-    if (numbers_at(v, 4, pbr, "baseColorFactor"))
-        memcpy(out->factor, v, sizeof v);
-    const json_t *info = json_object_get(pbr, "baseColorTexture");
-    out->colored = numbers_at(out->color, 4, pbr, "baseColorFactor");
-    take_alpha(out, of);
-    settle_alpha(out, info != NULL);
-    out->colored |= numbers_at(out->color, 4, json_object_get(json_object_get(of, "extras"), "volvis"), "color");
-    return info ? read_texture(out, r, index, info) : VV_OK;
-}
-
-static vv_status begin_part(reader *r, const material *m, const char *name)
+static vv_status begin_part(vvi_gltf_reader *r, const vvi_gltf_material *m, const char *name)
 {
     const vv_color color = {m->color[0], m->color[1], m->color[2], m->color[3]};
     return vvi_mesh_builder_part(&r->b, name, strlen(name), m->colored ? &color : NULL, m->texture);
@@ -481,7 +94,7 @@ static vv_status begin_part(reader *r, const material *m, const char *name)
 
 /* Nodes may name one object many times: that costs no bytes of the file, so it is counted before room is taken, and an
  * object without triangles counts for the time that it takes. */
-static vv_status check_counts(const reader *r)
+static vv_status check_counts(const vvi_gltf_reader *r)
 {
     enum { OBJECT_BYTES = 64 };
     const vv_limits *limits = vvi_job_limits(r->g.job);
@@ -499,15 +112,15 @@ static vv_status check_counts(const reader *r)
 }
 
 /* What a primitive will add. */
-static vv_status count_primitive(reader *r, const json_t *primitive, const attributes *a, const vv_affine *map,
-                                 int64_t mode)
+static vv_status count_primitive(vvi_gltf_reader *r, const json_t *primitive, const vvi_gltf_attributes *a,
+                                 const vv_affine *map, int64_t mode)
 {
     size_t index, n;
     bool there;
     vv_status st = vvi_gltf_count_accessor(&n, &r->g, a->position, 3, 3);
     if (st != VV_OK)
         return st;
-    r->n_vertices += same_attributes(r, a, map) ? 0 : n;
+    r->n_vertices += vvi_gltf_same_attributes(r, a, map) ? 0 : n;
     r->last = *a;
     r->last_map = *map;
     st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")), &index,
@@ -518,12 +131,12 @@ static vv_status count_primitive(reader *r, const json_t *primitive, const attri
     return st;
 }
 
-static vv_status read_primitive(reader *r, const json_t *primitive, const vv_affine *map, const char *name)
+static vv_status read_primitive(vvi_gltf_reader *r, const json_t *primitive, const vv_affine *map, const char *name)
 {
     const json_t *mode_at = json_object_get(primitive, "mode");
     int64_t mode = TRIANGLES;
-    attributes a;
-    material m;
+    vvi_gltf_attributes a;
+    vvi_gltf_material m;
     size_t index;
     bool there;
     vv_status st = VV_OK;
@@ -535,13 +148,13 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
         r->n_other += !r->counting;
         return VV_OK;
     }
-    if ((st = find_material(&m, r, primitive)) != VV_OK || (st = find_attributes(&a, r, primitive, &m)) != VV_OK ||
-        !a.has_position)
+    if ((st = vvi_gltf_find_material(&m, r, primitive)) != VV_OK ||
+        (st = vvi_gltf_find_attributes(&a, r, primitive, &m)) != VV_OK || !a.has_position)
         return st;
     r->any_colors |= a.has_color;
     if (r->counting)
         return count_primitive(r, primitive, &a, map, mode);
-    if ((st = begin_part(r, &m, name)) != VV_OK || (st = put_vertices(r, &a, map)) != VV_OK ||
+    if ((st = begin_part(r, &m, name)) != VV_OK || (st = vvi_gltf_put_vertices(r, &a, map)) != VV_OK ||
         (st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")),
                              &index, &there)) != VV_OK)
         return st;
@@ -568,7 +181,7 @@ static const char *name_of(const json_t *object)
     return name ? name : "";
 }
 
-static vv_status read_mesh(reader *r, const json_t *node, const vv_affine *map)
+static vv_status read_mesh(vvi_gltf_reader *r, const json_t *node, const vv_affine *map)
 {
     const json_t *meshes = json_object_get(r->g.root, "meshes");
     size_t index;
@@ -586,7 +199,7 @@ static vv_status read_mesh(reader *r, const json_t *node, const vv_affine *map)
 }
 
 /* NOLINTNEXTLINE(misc-no-recursion): as deep as DEPTH_MOST */
-static vv_status read_node(reader *r, const json_t *index, const vv_affine *above, int depth)
+static vv_status read_node(vvi_gltf_reader *r, const json_t *index, const vv_affine *above, int depth)
 {
     const json_t *nodes = json_object_get(r->g.root, "nodes");
     int64_t n;
@@ -607,12 +220,12 @@ static vv_status read_node(reader *r, const json_t *index, const vv_affine *abov
     return st;
 }
 
-static vv_status walk_scene(reader *r, const json_t *nodes, size_t n_nodes, bool counting)
+static vv_status walk_scene(vvi_gltf_reader *r, const json_t *nodes, size_t n_nodes, bool counting)
 {
     const vv_affine identity = vv_affine_identity();
     vv_status st = VV_OK;
     r->counting = counting;
-    r->last = (attributes){0};
+    r->last = (vvi_gltf_attributes){0};
     memset(r->seen, 0, n_nodes + 1);
     for (size_t i = 0; i < json_array_size(nodes) && st == VV_OK; i++)
         st = read_node(r, json_array_get(nodes, i), &identity, 0);
@@ -620,7 +233,7 @@ static vv_status walk_scene(reader *r, const json_t *nodes, size_t n_nodes, bool
 }
 
 /* The scene that is to be shown, else the first. */
-static vv_status read_scene(reader *r)
+static vv_status read_scene(vvi_gltf_reader *r)
 {
     const json_t *scenes = json_object_get(r->g.root, "scenes");
     const size_t n_nodes = json_array_size(json_object_get(r->g.root, "nodes"));
@@ -653,7 +266,7 @@ static void copy_text(char *out, size_t room, const json_t *value)
 }
 
 /* Files of VolVis say what their lengths were before they became metres. */
-static void choose_axes(reader *r)
+static void choose_axes(vvi_gltf_reader *r)
 {
     const json_t *extras = json_object_get(json_object_get(json_object_get(r->g.root, "asset"), "extras"), "volvis");
     const char *unit = json_string_value(json_object_get(extras, "unit"));
@@ -675,7 +288,7 @@ static void choose_axes(reader *r)
     }
 }
 
-static vv_status read_all(reader *r, vv_source *source, vv_job *job)
+static vv_status read_all(vvi_gltf_reader *r, vv_source *source, vv_job *job)
 {
     vv_status st = vvi_gltf_open(&r->g, source, job);
     if (st != VV_OK)
@@ -689,7 +302,7 @@ static vv_status read_all(reader *r, vv_source *source, vv_job *job)
 static vv_status read_gltf(vv_mesh **out, vv_source *source, const vv_mesh_read_options *options, vv_notes *notes,
                            vv_job *job)
 {
-    reader r = {.notes = notes};
+    vvi_gltf_reader r = {.notes = notes};
     vvi_mesh_builder_begin(&r.b, source, options, true, job);
     vv_status st = read_all(&r, source, job);
     if (st == VV_OK)

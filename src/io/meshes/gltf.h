@@ -34,6 +34,9 @@ vv_status vvi_gltf_fail(const vvi_gltf *gltf, const char *format, ...) VV_PRINTF
 vv_status vvi_gltf_index(const vvi_gltf *gltf, const json_t *object, const char *key, size_t n, size_t *out,
                          bool *there);
 
+/** n finite numbers at a key; false: they are not. */
+bool vvi_gltf_numbers_at(double *out, size_t n, const json_t *object, const char *key);
+
 /** Numbers of an accessor. */
 typedef struct vvi_gltf_numbers {
     double *v; /**< n times `components`; yours to vvi_free() */

@@ -38,6 +38,17 @@ vv_status vvi_gltf_index(const vvi_gltf *g, const json_t *object, const char *ke
     return VV_OK;
 }
 
+bool vvi_gltf_numbers_at(double *out, size_t n, const json_t *object, const char *key)
+{
+    const json_t *list = json_object_get(object, key);
+    if (json_array_size(list) != n)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!vvi_json_real(&out[i], json_array_get(list, i)))
+            return false;
+    return true;
+}
+
 /* JSON ------------------------------------------------------------------------------------------------------------ */
 
 static uint32_t u32(const uint8_t *b)

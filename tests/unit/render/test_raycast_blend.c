@@ -1,9 +1,9 @@
 /* Several volumes along one ray: closed forms, every build against the reference in double precision, and the general
  * kernel against those of one plain volume. */
 #include "fields.h"
-#include "ray_scene.h"
 #include "scene/colors.h"
 #include "scene/lens.h"
+#include "together.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,82 +16,7 @@
 extern const vvi_ray_kernels vvi_ray_kernels_scalar;
 extern const vv_renderer vvi_renderer_raycast;
 
-enum { MOST = 4 };
-
-/* Up to MOST volumes in one picture: each has a test_ray_scene of its own, the first one's is the picture. */
-typedef struct together {
-    test_ray_scene part[MOST];
-    vv_field *field[MOST];
-    vv_field *extra[MOST]; /* NULL: none */
-    vv_region regions[MOST][2];
-    double map[MOST][12];
-    vv_actor actors[MOST];
-    size_t n;
-} together;
-
-static test_ray_scene *add(together *t, vv_field *field)
-{
-    test_ray_scene *s = &t->part[t->n];
-    t->field[t->n++] = field;
-    assert_non_null(field);
-    test_ray_scene_init(s, field, 1);
-    return s;
-}
-
-/* The scene of all volumes, as they are now. */
-static test_ray_scene *all_of(together *t)
-{
-    for (size_t i = 0; i < t->n; i++)
-        t->actors[i] = t->part[i].actor;
-    t->part[0].scene.actors = t->actors;
-    t->part[0].scene.n_actors = t->n;
-    return &t->part[0];
-}
-
-static void finish(together *t)
-{
-    for (size_t i = 0; i < t->n; i++) {
-        test_ray_scene_finish(&t->part[i]);
-        vv_field_release(t->field[i]);
-        vv_field_release(t->extra[i]);
-    }
-}
-
-static void set(test_ray_scene *s, const char *path, const char *json)
-{
-    vv_object *params = &s->params->base;
-    assert_int_equal(vv_path_set(&params, path, json, NULL), VV_OK);
-    s->params = (vvi_raycast_params *)params;
-    s->scene.params = params;
-}
-
-static double one_value(vv_vec3 p)
-{
-    (void)p;
-    return 1;
-}
-static vv_vec3 no_gradient(vv_vec3 p)
-{
-    (void)p;
-    return (vv_vec3){0, 0, 0};
-}
-static const test_form one = {"one", one_value, no_gradient};
-
-static double opacity_of(double kappa)
-{
-    return 1 - exp(-kappa);
-}
-
-/* A box of one value over [lo, hi]^3: extinction kappa, one colour. */
-static test_ray_scene *add_box(together *t, double lo, double hi, double kappa, const double rgb[3])
-{
-    test_ray_scene *s = add(t, test_field_cube(&one, 4, lo, hi, NULL));
-    test_ray_scene_opacity(s, (const double[]){1, opacity_of(kappa)}, 1);
-    test_ray_scene_color(s, (const double[]){1, rgb[0], rgb[1], rgb[2]}, 1);
-    return s;
-}
-
-static void look_down(together *t, double height)
+static void look_down(test_together *t, double height)
 {
     test_ray_scene_look(&t->part[0], vvi_vec(0.21, 0.19, 20), vvi_vec(0.21, 0.19, 0), 0, height);
 }
@@ -106,9 +31,9 @@ static const double red[3] = {1, 0, 0}, blue[3] = {0, 0, 1};
 static void overlapping_boxes_add_their_extinctions(void **state)
 {
     (void)state;
-    together t = {0};
-    add_box(&t, 0, 1, 1.5, red);
-    add_box(&t, -0.3, 0.4, 2.5, blue);
+    test_together t = {0};
+    test_together_box(&t, 0, 1, 1.5, red);
+    test_together_box(&t, -0.3, 0.4, 2.5, blue);
     look_down(&t, 0.5);
     /* from above: red alone over [0.4, 1], both over [0, 0.4], blue alone over [-0.3, 0] */
     const double through_red = exp(-1.5 * 0.6), through_both = through_red * exp(-4 * 0.4);
@@ -119,8 +44,8 @@ static void overlapping_boxes_add_their_extinctions(void **state)
     const char *const steps[] = {"0.1", "0.02", "0.37", "5"};
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (size_t i = 0; i < 4; i++) {
-            test_ray_scene *s = all_of(&t);
-            set(s, "step", steps[i]);
+            test_ray_scene *s = test_together_all(&t);
+            test_ray_scene_set(s, "step", steps[i]);
             vv_image *image = test_ray_picture(s, *cpu, 1);
             const float *p = pixel(image, 30, 31);
             assert_true(fabs((double)p[3] - want_alpha) < 1e-5);
@@ -130,19 +55,19 @@ static void overlapping_boxes_add_their_extinctions(void **state)
             }
             vv_image_release(image);
         }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static void boxes_apart_keep_their_own_lengths(void **state)
 {
     (void)state;
-    together t = {0};
-    add_box(&t, 0, 0.7, 1.1, red);
-    add_box(&t, 0, 9.17, 0.05, blue)->actor.index_to_world.origin.z -= 9.27; /* begins 0.1 below */
+    test_together t = {0};
+    test_together_box(&t, 0, 0.7, 1.1, red);
+    test_together_box(&t, 0, 9.17, 0.05, blue)->actor.index_to_world.origin.z -= 9.27; /* begins 0.1 below */
     look_down(&t, 0.3);
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
-        test_ray_scene *s = all_of(&t);
-        set(s, "step", "0.14"); /* red takes five steps, blue begins within the sixth */
+        test_ray_scene *s = test_together_all(&t);
+        test_ray_scene_set(s, "step", "0.14"); /* red takes five steps, blue begins within the sixth */
         vv_image *image = test_ray_picture(s, *cpu, 1);
         const float *p = pixel(image, 32, 32);
         const double through = exp(-1.1 * 0.7), all = through * exp(-0.05 * 9.17);
@@ -151,7 +76,7 @@ static void boxes_apart_keep_their_own_lengths(void **state)
         assert_true(fabs((double)p[3] - (1 - all)) < 2e-6);
         vv_image_release(image);
     }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static double half_value(vv_vec3 p)
@@ -169,10 +94,10 @@ static const test_form floor_form = {"floor", half_value, down};
 static void a_solid_ends_the_ray_inside_a_fog(void **state)
 {
     (void)state;
-    together t = {0};
-    add_box(&t, 0, 1, 2, red);
+    test_together t = {0};
+    test_together_box(&t, 0, 1, 2, red);
     for (int i = 0; i < 2; i++) {
-        test_ray_scene *s = add(&t, test_field_cube(&floor_form, 8, 0, 1 - 0.2 * i, NULL));
+        test_ray_scene *s = test_together_add(&t, test_field_cube(&floor_form, 8, 0, 1 - 0.2 * i, NULL));
         s->actor.classes.kind = VV_SEGMENT_THRESHOLD;
         s->actor.classes.lo = 0.1 * i; /* the second one's face is at 0.45 */
         s->actor.classes.hi = 10;
@@ -182,12 +107,12 @@ static void a_solid_ends_the_ray_inside_a_fog(void **state)
     look_down(&t, 0.4);
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (int order = 0; order < 2; order++) {
-            test_ray_scene *s = all_of(&t);
+            test_ray_scene *s = test_together_all(&t);
             if (order) {
                 const vv_actor swap = t.actors[0];
                 t.actors[0] = t.actors[2], t.actors[2] = swap;
             }
-            set(s, "step", "0.13");
+            test_ray_scene_set(s, "step", "0.13");
             vv_image *image = test_ray_picture(s, *cpu, 1);
             const float *p = pixel(image, 32, 32);
             const double through = exp(-2 * 0.45);
@@ -197,26 +122,26 @@ static void a_solid_ends_the_ray_inside_a_fog(void **state)
             assert_true(fabs((double)image->depth[32 * 64 + 32] - (20 - (1 - log(2) / 2))) < 0.13);
             vv_image_release(image);
         }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static void several_isosurfaces_show_the_nearest(void **state)
 {
     (void)state;
-    together t = {0};
+    test_together t = {0};
     for (int i = 0; i < 3; i++) {
-        test_ray_scene *s = add(&t, test_field_cube(&floor_form, 8, 0, 1, NULL));
+        test_ray_scene *s = test_together_add(&t, test_field_cube(&floor_form, 8, 0, 1, NULL));
         s->actor.iso = i == 1 ? 0.05 : 0.2;
         s->actor.color[0] = (float)i;
     }
     look_down(&t, 0.4);
-    test_ray_scene *s = all_of(&t);
-    set(s, "mode", "isosurface");
+    test_ray_scene *s = test_together_all(&t);
+    test_ray_scene_set(s, "mode", "isosurface");
     vv_image *image = test_ray_picture(s, NULL, 1);
     assert_true(pixel(image, 32, 32)[0] == 1);
     assert_true(fabs((double)image->depth[32 * 64 + 32] - 19.5) < 1e-5);
     vv_image_release(image);
-    finish(&t);
+    test_together_finish(&t);
 }
 
 /* Pre-integration ---------------------------------------------------------------------------------------------------
@@ -234,24 +159,24 @@ static void a_spike_is_seen_whole_by_any_number_of_steps(void **state)
 {
     (void)state;
     static const char *const steps[] = {"0.25", "0.125", "0.0625", "0.030303030303030304", "0.01", "0.003", "2"};
-    together t = {0};
-    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
-    const double k = opacity_of(2); /* for a length of 0.1 */
+    test_together t = {0};
+    test_ray_scene *s = test_together_add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+    const double k = test_opacity_of(2); /* for a length of 0.1 */
     s->actor.classes.opacity_length = 0.1;
     test_ray_scene_opacity(s, (const double[]){0, 0, 0.48, 0, 0.48, k, 0.52, k, 0.52, 0, 1, 0}, 6);
     look_down(&t, 0.3);
-    all_of(&t);
-    set(s, "preintegrated", "true");
+    test_together_all(&t);
+    test_ray_scene_set(s, "preintegrated", "true");
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-            set(s, "step", steps[i]);
+            test_ray_scene_set(s, "step", steps[i]);
             vv_image *image = test_ray_picture(s, *cpu, 1);
             const double got = (double)pixel(image, 32, 32)[3];
             if (!(fabs(got - 0.550671) < 1e-5))
                 fail_msg("%s, step %s: %.7f", *cpu, steps[i], got);
             vv_image_release(image);
         }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 /* Outermost nodes that are jumps: extinction 20 between 0.3 and 0.3 + width, and in nothing else. */
@@ -260,26 +185,26 @@ static void a_box_without_outer_nodes_has_its_own_depth_alone(void **state)
     (void)state;
     static const double widths[] = {0.04, 0.002};
     static const char *const steps[] = {"0.25", "0.0625", "0.01", "2"};
-    const double k = opacity_of(2); /* for a length of 0.1 */
+    const double k = test_opacity_of(2); /* for a length of 0.1 */
     for (size_t w = 0; w < 2; w++) {
-        together t = {0};
-        test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+        test_together t = {0};
+        test_ray_scene *s = test_together_add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
         s->actor.classes.opacity_length = 0.1;
         test_ray_scene_opacity(s, (const double[]){0.3, 0, 0.3, k, 0.3 + widths[w], k, 0.3 + widths[w], 0}, 4);
         test_ray_scene_color(s, (const double[]){0.3, 1, 1, 1}, 1);
         look_down(&t, 0.3);
-        all_of(&t);
-        set(s, "preintegrated", "true");
+        test_together_all(&t);
+        test_ray_scene_set(s, "preintegrated", "true");
         for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
             for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-                set(s, "step", steps[i]);
+                test_ray_scene_set(s, "step", steps[i]);
                 vv_image *image = test_ray_picture(s, *cpu, 1);
                 const double got = -log1p(-(double)pixel(image, 32, 32)[3]), want = 20 * widths[w];
                 if (!(fabs(got - want) < 2e-5 * want))
                     fail_msg("%s, width %g, step %s: %.8g is not %.8g", *cpu, widths[w], steps[i], got, want);
                 vv_image_release(image);
             }
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -287,26 +212,26 @@ static void a_box_without_outer_nodes_has_its_own_depth_alone(void **state)
 static void one_jump_parts_what_is_seen_from_what_is_not(void **state)
 {
     (void)state;
-    together t = {0};
-    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
-    const double k = opacity_of(2);
+    test_together t = {0};
+    test_ray_scene *s = test_together_add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+    const double k = test_opacity_of(2);
     look_down(&t, 0.3);
-    set(s, "step", "0.1");
+    test_ray_scene_set(s, "step", "0.1");
     for (int down_too = 0; down_too < 2; down_too++) {
         const double rgb[2][3] = {{1, 0.2, 0}, {0, 0.4, 1}};
         test_ray_scene_opacity(s, (const double[]){0.55, down_too ? k : 0, 0.55, down_too ? 0 : k}, 2);
         test_ray_scene_color(
             s, (const double[]){0.55, rgb[0][0], rgb[0][1], rgb[0][2], 0.55, rgb[1][0], rgb[1][1], rgb[1][2]}, 2);
-        all_of(&t);
+        test_together_all(&t);
         for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
             for (int integrated = 0; integrated < 2; integrated++) {
-                set(s, "preintegrated", integrated ? "true" : "false");
+                test_ray_scene_set(s, "preintegrated", integrated ? "true" : "false");
                 vv_image *image = test_ray_picture(s, *cpu, 1);
                 const float *p = pixel(image, 32, 32);
                 /* midpoints of steps of 0.1 lie on the jump: the upper side holds there */
                 const double seen = down_too ? (integrated ? 0.55 : 0.5) : integrated ? 0.45 : 0.5;
-                const double alpha = opacity_of(2 * seen);
-                const double slack = integrated ? 1e-5 : opacity_of(0.2) + 1e-5;
+                const double alpha = test_opacity_of(2 * seen);
+                const double slack = integrated ? 1e-5 : test_opacity_of(0.2) + 1e-5;
                 if (!(fabs((double)p[3] - alpha) < slack))
                     fail_msg("%s, %s, %d: %g is not %g", *cpu, down_too ? "down" : "up", integrated, (double)p[3],
                              alpha);
@@ -315,27 +240,27 @@ static void one_jump_parts_what_is_seen_from_what_is_not(void **state)
                 vv_image_release(image);
             }
     }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static void a_ramp_in_front_of_the_light_has_its_closed_form(void **state)
 {
     (void)state;
-    together t = {0};
-    test_ray_scene *s = add(&t, test_field_cube(&along_view, 101, 0, 1, NULL));
-    test_ray_scene_opacity(s, (const double[]){0, opacity_of(2), 1, opacity_of(2)}, 2);
+    test_together t = {0};
+    test_ray_scene *s = test_together_add(&t, test_field_cube(&along_view, 101, 0, 1, NULL));
+    test_ray_scene_opacity(s, (const double[]){0, test_opacity_of(2), 1, test_opacity_of(2)}, 2);
     test_ray_scene_color(s, (const double[]){0, 0, 0, 0, 1, 1, 1, 1}, 2);
     look_down(&t, 0.3);
-    all_of(&t);
-    set(s, "step", "0.01");
-    set(s, "preintegrated", "true");
+    test_together_all(&t);
+    test_ray_scene_set(s, "step", "0.01");
+    test_ray_scene_set(s, "preintegrated", "true");
     const double exact = (1 - 3 * exp(-2)) / 2;
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
         vv_image *image = test_ray_picture(s, *cpu, 1);
         assert_true(fabs((double)pixel(image, 32, 32)[0] - exact) < 2e-5);
         vv_image_release(image);
     }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 /* From which quality on, for a ramp and for peaks of some widths at half of their height, over values from 0 to 1. */
@@ -357,8 +282,8 @@ static void narrow_peaks_are_pre_integrated(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
-        together t = {0};
-        test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+        test_together t = {0};
+        test_ray_scene *s = test_together_add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
         test_ray_scene_opacity(s, functions[i].opacity, functions[i].n);
         for (int quality = VV_QUALITY_DRAFT; quality <= VV_QUALITY_REFERENCE; quality++) {
             void *prepared = NULL;
@@ -368,7 +293,7 @@ static void narrow_peaks_are_pre_integrated(void **state)
                 fail_msg("function %zu at quality %d", i, quality);
             vvi_raycast_finish(prepared);
         }
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -378,7 +303,7 @@ static void narrow_peaks_are_pre_integrated(void **state)
 static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_F32};
 
 /* Random samples in a sheared box near the origin, with ramps and a jump. */
-static test_ray_scene *add_random(together *t, vv_type type, uint64_t seed)
+static test_ray_scene *add_random(test_together *t, vv_type type, uint64_t seed)
 {
     vv_field_info info = vv_field_info_default();
     info.type = type;
@@ -388,7 +313,7 @@ static test_ray_scene *add_random(together *t, vv_type type, uint64_t seed)
     info.grid.index_to_world.axis[1] = vvi_vec(0.2, 0.9, 0.1);
     info.grid.index_to_world.axis[2] = vvi_vec(0, -0.3, 1.4 - 0.5 * test_random_unit(seed, 5));
     info.grid.index_to_world.origin = vvi_vec(3 * test_random_unit(seed, 6), -2, 4 * test_random_unit(seed, 7) - 4);
-    test_ray_scene *s = add(t, test_field_random(&info, seed, NULL));
+    test_ray_scene *s = test_together_add(t, test_field_random(&info, seed, NULL));
     const double lo = s->statistics.min, w = s->statistics.max - lo;
     test_ray_scene_opacity(
         s, (const double[]){lo, 0, lo + 0.4 * w, 0, lo + 0.5 * w, 0.3, lo + 0.7 * w, 0.1, lo + 0.7 * w, 0, lo + w, 0.6},
@@ -406,7 +331,7 @@ static test_ray_scene *add_random(together *t, vv_type type, uint64_t seed)
 }
 
 /* The picture's view and light, given to all volumes. */
-static void look_at_all(together *t, uint64_t seed)
+static void look_at_all(test_together *t, uint64_t seed)
 {
     test_ray_scene *s = &t->part[0];
     vv_vec3 away = {test_random_unit(seed, 1) - 0.5, test_random_unit(seed, 2) - 0.5, test_random_unit(seed, 3) - 0.4};
@@ -415,7 +340,7 @@ static void look_at_all(together *t, uint64_t seed)
     s->scene.height = s->scene.rows = 19;
     const vv_vec3 at = {0, 1, 0};
     test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 25)), at, seed % 2 ? 0 : 0.5, 14);
-    set(s, "step", "0.37");
+    test_ray_scene_set(s, "step", "0.37");
     if (seed % 4 == 0)
         return;
     test_ray_scene_light(s);
@@ -441,9 +366,9 @@ static void compare_with_reference(const test_ray_scene *s, const char *cpu, con
     vv_image_release(image);
 }
 
-static void compare_all_builds(together *t, const char *what)
+static void compare_all_builds(test_together *t, const char *what)
 {
-    const test_ray_scene *s = all_of(t);
+    const test_ray_scene *s = test_together_all(t);
     double *want = test_ray_reference(s);
     double most = 0;
     for (int i = 0; i < s->scene.width * s->scene.height; i++)
@@ -498,7 +423,7 @@ static void give_regions(vv_actor *actor, vv_region regions[2])
 }
 
 /* The samples of a volume become alpha or luminance of random colours on the same grid. */
-static void give_colors(together *t, size_t i, bool alpha, uint64_t seed)
+static void give_colors(test_together *t, size_t i, bool alpha, uint64_t seed)
 {
     vv_actor *actor = &t->part[i].actor;
     vv_field_info info = *vv_field_get_info(t->field[i]);
@@ -520,7 +445,7 @@ static void give_colors(together *t, size_t i, bool alpha, uint64_t seed)
 }
 
 /* Colours by another field that covers a part of the volume. */
-static void give_map(together *t, size_t i, uint64_t seed)
+static void give_map(test_together *t, size_t i, uint64_t seed)
 {
     vv_actor *actor = &t->part[i].actor;
     vv_field_info info = *vv_field_get_info(t->field[i]);
@@ -543,10 +468,10 @@ static void give_map(together *t, size_t i, uint64_t seed)
                               .n_color = 3};
 }
 
-static void use_feature(together *t, feature f, uint64_t seed)
+static void use_feature(test_together *t, feature f, uint64_t seed)
 {
     if (f == INTEGRATED || f == CUBIC_INTEGRATED)
-        set(&t->part[0], "preintegrated", "true");
+        test_ray_scene_set(&t->part[0], "preintegrated", "true");
     for (size_t i = 0; i < t->n; i++) {
         vv_actor *actor = &t->part[i].actor;
         if (actor->classes.kind == VV_SEGMENT_THRESHOLD)
@@ -577,7 +502,7 @@ static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **s
     for (uint64_t round = 0; round < 8; round++)
         for (feature f = INTEGRATED; f < FEATURES; f++) {
             const uint64_t seed = test_random(test_seed(), 3000 + round);
-            together t = {0};
+            test_together t = {0};
             char what[64];
             add_random(&t, types[round % 4], seed);
             look_at_all(&t, seed);
@@ -585,7 +510,7 @@ static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **s
             snprintf(what, sizeof what, "%s, round %d, seed %llu", feature_names[f], (int)round,
                      (unsigned long long)seed);
             compare_all_builds(&t, what);
-            finish(&t);
+            test_together_finish(&t);
         }
 }
 
@@ -594,7 +519,7 @@ static void cubic_surfaces_equal_the_reference_in_every_build(void **state)
     (void)state;
     for (uint64_t round = 0; round < 8; round++) {
         const uint64_t seed = test_random(test_seed(), 5000 + round);
-        together t = {0};
+        test_together t = {0};
         char what[64];
         vv_actor *actor = &add_random(&t, types[round % 4], seed)->actor;
         look_at_all(&t, seed);
@@ -606,11 +531,11 @@ static void cubic_surfaces_equal_the_reference_in_every_build(void **state)
             actor->classes.lo = lo + 0.6 * w;
             actor->classes.hi = lo + 0.8 * w;
         } else {
-            set(&t.part[0], "mode", "isosurface");
+            test_ray_scene_set(&t.part[0], "mode", "isosurface");
         }
         snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
         compare_all_builds(&t, what);
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -620,7 +545,7 @@ static void painted_surfaces_equal_the_reference_in_every_build(void **state)
     (void)state;
     for (uint64_t round = 0; round < 16; round++) {
         const uint64_t seed = test_random(test_seed(), 5500 + round);
-        together t = {0};
+        test_together t = {0};
         char what[64];
         vv_actor *actor = &add_random(&t, types[round % 4], seed)->actor;
         look_at_all(&t, seed);
@@ -632,11 +557,11 @@ static void painted_surfaces_equal_the_reference_in_every_build(void **state)
             actor->classes.lo = lo + 0.5 * w;
             actor->classes.hi = lo + 0.8 * w;
         } else {
-            set(&t.part[0], "mode", "isosurface");
+            test_ray_scene_set(&t.part[0], "mode", "isosurface");
         }
         snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
         compare_all_builds(&t, what);
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -645,7 +570,7 @@ static void a_cubic_surface_of_a_ball_is_where_it_is(void **state)
 {
     (void)state;
     enum { N = 28 };
-    together t = {0};
+    test_together t = {0};
     vv_field_info info = vv_field_info_default();
     vv_field *field;
     void *data;
@@ -657,15 +582,15 @@ static void a_cubic_surface_of_a_ball_is_where_it_is(void **state)
         const vv_vec3 p = vvi_sub(vvi_vec(i % N, i / N % N, i / (N * N)), middle);
         ((float *)data)[i] = (float)-vvi_dot(p, p);
     }
-    test_ray_scene *s = add(&t, field);
+    test_ray_scene *s = test_together_add(&t, field);
     test_ray_scene_look(s, vvi_vec(13.2, 13.6, 60), middle, 0, 16);
     s->actor.cubic = true;
     s->actor.iso = -81;
-    all_of(&t);
-    set(s, "mode", "isosurface");
+    test_together_all(&t);
+    test_ray_scene_set(s, "mode", "isosurface");
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (int skipping = 0; skipping < 2; skipping++) {
-            set(s, "skipping", skipping ? "true" : "false");
+            test_ray_scene_set(s, "skipping", skipping ? "true" : "false");
             vv_image *image = test_ray_picture(s, *cpu, 1);
             for (int y = 12; y < 52; y++) /* the mirrored border is felt a little everywhere */
                 for (int x = 12; x < 52; x++) {
@@ -675,7 +600,7 @@ static void a_cubic_surface_of_a_ball_is_where_it_is(void **state)
                 }
             vv_image_release(image);
         }
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **state)
@@ -683,7 +608,7 @@ static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **
     (void)state;
     for (uint64_t round = 0; round < 36; round++) {
         const uint64_t seed = test_random(test_seed(), round);
-        together t = {0};
+        test_together t = {0};
         char what[64];
         for (uint64_t i = 0; i < 2 + round % 2; i++)
             add_random(&t, types[(round + i) % 4], test_random(seed, 50 + i));
@@ -697,7 +622,7 @@ static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **
         use_feature(&t, (feature)(round / 2 % FEATURES), seed);
         snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
         compare_all_builds(&t, what);
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -706,14 +631,14 @@ static void a_plain_volume_is_the_same_as_by_its_own_kernel(void **state)
 {
     (void)state;
     for (uint64_t round = 0; round < 12; round++) {
-        together t = {0};
+        test_together t = {0};
         add_random(&t, types[round % 4], test_random(test_seed(), 400 + round));
         add_random(&t, VV_TYPE_U8, 7);
         test_ray_scene_opacity(&t.part[1], (const double[]){0, 0}, 1);
         t.part[1].actor.index_to_world.origin = vvi_vec(1e4, 1e4, 1e4); /* where no ray comes that meets the other */
         look_at_all(&t, round);
         for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
-            test_ray_scene *s = all_of(&t);
+            test_ray_scene *s = test_together_all(&t);
             vv_image *general = test_ray_picture(s, *cpu, 1);
             s->scene.n_actors = 1;
             vv_image *own = test_ray_picture(s, *cpu, 1);
@@ -726,7 +651,7 @@ static void a_plain_volume_is_the_same_as_by_its_own_kernel(void **state)
             vv_image_release(general);
             vv_image_release(own);
         }
-        finish(&t);
+        test_together_finish(&t);
     }
 }
 
@@ -746,15 +671,15 @@ static vv_field *specks(uint64_t seed, const vv_vec3 origin)
     return field;
 }
 
-static test_ray_scene *add_specks(together *t, uint64_t seed, vv_vec3 origin)
+static test_ray_scene *add_specks(test_together *t, uint64_t seed, vv_vec3 origin)
 {
-    test_ray_scene *s = add(t, specks(seed, origin));
+    test_ray_scene *s = test_together_add(t, specks(seed, origin));
     test_ray_scene_opacity(s, (const double[]){30, 0, 60, 0.2, 255, 0.9}, 3);
     test_ray_scene_color(s, (const double[]){0, 0.1, 0.9, 0.2, 100, 0.9, 0.3, 0.1, 255, 0.2, 0.3, 1}, 3);
     return s;
 }
 
-static void compare_skipping(together *t, const char *cpu, uint64_t seed)
+static void compare_skipping(test_together *t, const char *cpu, uint64_t seed)
 {
     test_ray_scene *s = &t->part[0];
     const vv_vec3 at = {20, 20, 15};
@@ -763,13 +688,13 @@ static void compare_skipping(together *t, const char *cpu, uint64_t seed)
     test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 150)), at, seed % 2 ? 0 : 0.5, 60);
     test_ray_scene_light(s);
     s->scene.width = s->scene.height = s->scene.rows = 32;
-    all_of(t);
-    set(s, "skipping", "false");
-    set(s, "parc", "false");
+    test_together_all(t);
+    test_ray_scene_set(s, "skipping", "false");
+    test_ray_scene_set(s, "parc", "false");
     vv_image *without = test_ray_picture(s, cpu, 1);
     for (int i = 1; i < 4; i++) {
-        set(s, "skipping", i & 1 ? "true" : "false");
-        set(s, "parc", i & 2 ? "true" : "false");
+        test_ray_scene_set(s, "skipping", i & 1 ? "true" : "false");
+        test_ray_scene_set(s, "parc", i & 2 ? "true" : "false");
         vv_image *with = test_ray_picture(s, cpu, 1);
         assert_memory_equal(with->rgba, without->rgba, 32 * 32 * 4 * sizeof(float));
         assert_memory_equal(with->depth, without->depth, 32 * 32 * sizeof(float));
@@ -784,12 +709,12 @@ static void skipping_and_parc_change_no_byte(void **state)
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (uint64_t round = 0; round < 8; round++) {
             const uint64_t seed = test_random(test_seed(), 900 + round);
-            together t = {0};
+            test_together t = {0};
             add_specks(&t, seed, vvi_vec(0, 0, 0));
             add_specks(&t, seed + 1, vvi_vec(11.3, -5.2, 7.7));
             t.part[1].actor.nearest = round % 3 == 2;
-            set(&t.part[0], "step", round % 2 ? "0.37" : "1.3");
-            set(&t.part[0], "preintegrated", round > 2 ? "true" : "false");
+            test_ray_scene_set(&t.part[0], "step", round % 2 ? "0.37" : "1.3");
+            test_ray_scene_set(&t.part[0], "preintegrated", round > 2 ? "true" : "false");
             t.part[0].actor.classes.gradient_power = round == 4 ? 1 : 0;
             t.part[0].actor.classes.gradient_reference = 50;
             t.part[0].actor.cubic = round == 5 || round == 6;
@@ -799,18 +724,18 @@ static void skipping_and_parc_change_no_byte(void **state)
             if (round == 1) /* all of one is clear: the steps of the other stay where they are */
                 test_ray_scene_opacity(&t.part[0], (const double[]){0, 0}, 1);
             compare_skipping(&t, *cpu, seed);
-            finish(&t);
+            test_together_finish(&t);
         }
 }
 
 static void any_number_of_threads_gives_the_same_bytes(void **state)
 {
     (void)state;
-    together t = {0};
+    test_together t = {0};
     for (uint64_t i = 0; i < 3; i++)
         add_random(&t, types[i], test_random(test_seed(), i));
     look_at_all(&t, test_seed());
-    test_ray_scene *s = all_of(&t);
+    test_ray_scene *s = test_together_all(&t);
     s->scene.width = 75;
     s->scene.height = s->scene.rows = 61;
     vv_image *single = test_ray_picture(s, NULL, 1);
@@ -821,16 +746,16 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
         vv_image_release(more);
     }
     vv_image_release(single);
-    finish(&t);
+    test_together_finish(&t);
 }
 
 static void what_cannot_be_shown_together_is_refused(void **state)
 {
     (void)state;
-    together t = {0};
-    add_box(&t, 0, 1, 1, red);
-    add_box(&t, 0, 1, 1, blue);
-    test_ray_scene *s = all_of(&t);
+    test_together t = {0};
+    test_together_box(&t, 0, 1, 1, red);
+    test_together_box(&t, 0, 1, 1, blue);
+    test_ray_scene *s = test_together_all(&t);
     assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_OK);
     vv_actor many[VVI_BLEND_VOLUMES + 1];
     for (size_t i = 0; i <= VVI_BLEND_VOLUMES; i++)
@@ -841,7 +766,7 @@ static void what_cannot_be_shown_together_is_refused(void **state)
     s->scene.n_actors = VVI_BLEND_VOLUMES + 1;
     assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_E_UNSUPPORTED);
     assert_non_null(strstr(vv_error_last()->message, "at most 8 volumes"));
-    finish(&t);
+    test_together_finish(&t);
 }
 
 int main(void)
