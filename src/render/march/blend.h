@@ -9,6 +9,7 @@
 #ifndef VVI_RENDER_MARCH_BLEND_H
 #define VVI_RENDER_MARCH_BLEND_H
 #include "render/march/hits.h"
+#include "render/march/steep.h"
 #include "render/march/stretch.h"
 
 /* Parts of a step below this are rounding. */
@@ -23,7 +24,8 @@ typedef struct composite_state {
     vi most;  /* several volumes: the number of the part that took most of it there */
     uint64_t samples;
     float opaque;
-    vf limit; /* several volumes: steps until the stretch is over */
+    vf limit;                  /* several volumes: steps until the stretch is over */
+    struct steep_queue *steep; /* one volume whose opacity goes by gradients: NULL: it does not */
 } composite_state;
 
 /** The part of a common step inside a volume. */
@@ -39,11 +41,15 @@ typedef vf value_fn(const march_part *p, vf k, vm m);
  * integrated volume that at the back of the span. */
 typedef void classify_fn(sight *out, march_part *p, const part_span *span, vf middle, vf value, vm m);
 
+/** Finds the gradients of samples that wait for them, and then their light. */
+typedef void steep_fn(steep_queue *q, composite_state *s);
+
 /** What is built for each way of sampling. */
 typedef struct sampler_row {
     value_fn *value;
     classify_fn *classify;
     color_fn *color;
+    steep_fn *steep; /* of one volume */
 } sampler_row;
 
 VV_INLINE part_span find_span(const march_part *p, vf k)

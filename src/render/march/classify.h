@@ -17,7 +17,8 @@ typedef struct sight {
     vf depth;     /* optical depth */
     vi entry;     /* table, labels: of the table */
     vf rgb[3];    /* integrated, plane: times the depth */
-    vf label;     /* labels: the one that won */
+    vf label;     /* labels: the one that won; else the value */
+    vm may_be;    /* lanes that may see it, as far as the value tells */
     vf3 gradient; /* plane, and where opacity goes by gradients: in the world */
 } sight;
 

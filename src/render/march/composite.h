@@ -89,27 +89,41 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
 /** A sample of a volume that is classified in any way. */
 typedef struct one_sample {
     vf value;
-    vm m;
 } one_sample;
 
-/** What lanes of m see of it, in steps k whose parts `share` lie in the volume. */
-VV_INLINE void add_one(composite_state *s, one_sample *t, vf k, vf share, vm m)
+/** Light of what lanes of m see in steps k, of which `share` lies in the volume. */
+VV_INLINE void add_sight(composite_state *s, const sight *found, vf k, vf share, vm m)
 {
     march_part *p = s->part;
-    const vf zero = vf_set1(0.0f), middle = vf_fma(share, p->r.phase, k);
-    const part_span span = {k, k + share, m};
-    sight found;
-    s->samples += (uint64_t)vm_count(m);
-    p->by->classify(&found, p, &span, middle, t->value, m);
-    const vf depth = vf_select(m, found.depth, zero);
+    const vf zero = vf_set1(0.0f), depth = vf_select(m, found->depth, zero);
     const vm seen = vf_lt(zero, depth);
     if (!vm_any(seen))
         return;
     const vf weight = absorbed_share(depth, seen) * s->transmittance;
-    part_add(s, p, &found, middle, weight, seen);
+    part_add(s, p, found, vf_fma(share, p->r.phase, k), weight, seen);
     s->transmittance = vf_max(s->transmittance - weight * depth, zero);
     const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
     s->depth = vf_select(halved, vf_fma(share, vf_set1(0.5f), k), s->depth);
+}
+
+/** The same of values, at once or where gradients are needed, later. */
+VV_INLINE void add_one(composite_state *s, const one_sample *t, vf k, vf share, vm m)
+{
+    march_part *p = s->part;
+    const part_span span = {k, k + share, m};
+    sight found;
+    s->samples += (uint64_t)vm_count(m);
+    p->by->classify(&found, p, &span, k, t->value, m);
+    if (!s->steep) {
+        add_sight(s, &found, k, share, m);
+        return;
+    }
+    const vm seen = vm_and(m, found.may_be);
+    if (!vm_any(seen))
+        return;
+    steep_push(s->steep, p->f, k, share, &found, seen);
+    if (s->steep->n >= QUEUE_FULL)
+        p->by->steep(s->steep, s);
 }
 
 VV_INLINE bool sees_whole_steps(const vvi_march_volume *f, composite_how how)
@@ -240,6 +254,8 @@ VV_INLINE void composite_one(composite_state *s, composite_how how, int sampler,
     vm run = vm_and(r->hit, vf_lt(k, limit));
     for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
         composite_march(s, how, sampler, color, k, limit, middle, partial, share, run);
+        if (how == HOW_ONE && s->steep && s->steep->n)
+            s->part->by->steep(s->steep, s);
         share = r->n - whole;
         k = whole;
         limit = whole + one;
@@ -259,6 +275,7 @@ VV_INLINE void composite_begin(composite_state *s, march_part *part, size_t n, f
     s->depth = vf_set1(-1.0f);
     s->most = vi_set1(0);
     s->samples = 0;
+    s->steep = NULL;
 }
 
 /* A volume alone begins where its rays enter it, in steps of its own. */
@@ -276,11 +293,14 @@ VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vv
 {
     march_part part;
     color_fn *const color = by ? by->color : NULL;
+    steep_queue steep;
     part.f = f;
     if (how == HOW_LIT)
         memset(&part.queue, 0, sizeof part.queue);
     else if (how == HOW_ONE)
         part_open(&part, f, by);
+    if (how == HOW_ONE)
+        memset(&steep, 0, sizeof steep); /* lanes without a sample are computed as well, so with numbers */
     for (size_t at = 0; at < rays->n; at += VV_WIDTH) {
         composite_state s;
         composite_begin(&s, &part, 1, f->opaque);
@@ -289,6 +309,8 @@ VV_INLINE void composite_rays(vvi_sink *out, const vvi_march_volume *f, const vv
             queue_begin(&part.queue);
         else if (how == HOW_ONE)
             one_begin(&part);
+        if (how == HOW_ONE && has_gradient(f))
+            s.steep = &steep;
         composite_one(&s, how, sampler, color);
         if (how == HOW_ONE)
             blend_finish(&s);
