@@ -301,7 +301,7 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
     const cli_common *common = command.common;
     int code = command.exit_code ? command.exit_code : vv_job_damaged(command.job) ? CLI_EXIT_PARTIAL : 0;
     if (is_broken_pipe(st))
-        code = CLI_EXIT_OUTPUT;
+        code = CLI_EXIT_UNREAD;
     else if (st == VV_OK && command.kept)
         code = CLI_EXIT_INTERRUPTED;
     else if (st != VV_OK && cli_signals_came() && !command.served)

@@ -24,7 +24,8 @@ enum {
     CLI_EXIT_DIFFERS = 6,
     CLI_EXIT_PARTIAL = 7,
     CLI_EXIT_RESUMABLE = 75,
-    CLI_EXIT_INTERRUPTED = 130
+    CLI_EXIT_INTERRUPTED = 130,
+    CLI_EXIT_UNREAD = 141 /* as shells say of what SIGPIPE ends */
 };
 
 typedef struct cli_command {

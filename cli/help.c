@@ -105,7 +105,8 @@ void cli_help_overview(vvi_text *out, const vv_registry *registry)
     add_paragraph(out,
                   "Exit codes: 0 done, 1 could not be done, 2 the command line is wrong, 3 an input cannot be read, 4 "
                   "the memory limit would be exceeded, 5 the output cannot be written, 6 a comparison differs, 7 "
-                  "done in part, 75 stopped and to be gone on with, 130 interrupted.");
+                  "done in part, 75 stopped and to be gone on with, 130 interrupted, 141 whoever read the output has "
+                  "closed it.");
 }
 
 static void add_one_property(vvi_text *out, const char *path, const vv_property *row)

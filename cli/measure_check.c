@@ -66,7 +66,7 @@ static vv_status check_options(const cli_command *command, const cli_question *q
         char option[64];
         /* places on a mesh are in the world anyway */
         const bool is_so = strcmp(property, "space") == 0 && q->asked->space == VV_MEASURE_IN_WORLD &&
-                           vvi_measure_has_word(uses, "points");
+                           (vvi_measure_has_word(uses, "points") || vvi_measure_has_word(uses, "region"));
         if ((given->cls != &vvi_measurement_class && given->cls != &cli_measure_class && !of_region) || is_so ||
             is_about_result(property, q->kind) || vvi_measure_has_word(uses, property))
             continue;

@@ -16,8 +16,9 @@
 #define OF_VOLUME(uses, run) FORMS({VOLUME, 0, 0, uses, 0, run})
 /* Of objects in volumes, of meshes, and of those that a scene shows. */
 #define EXTENT(uses, uses_shown, what, run, more)                                                                      \
-    FORMS({VOLUME, 0, 0, OBJECT uses, (what) | (more), run}, {MESH, 0, 0, "input_unit", what, vvi_measure_mesh},       \
-          {SHOWN, 0, 0, uses_shown, what, vvi_measure_shown})
+    FORMS({VOLUME, 0, 0, OBJECT uses, (what) | (more), run},                                                           \
+          {MESH, 0, 0, "input_unit region", what, vvi_measure_mesh},                                                   \
+          {SHOWN, 0, 0, "region " uses_shown, what, vvi_measure_shown})
 
 static const vv_measure_kind kinds[] = {
     {.name = "area",
@@ -211,7 +212,8 @@ static bool asks_of(const vvi_measuring *m, const char *name)
         return q->points && q->points->n > 0;
     /* how places are told, of which there are none; those on a mesh are in its own space anyway */
     if (strcmp(name, "space") == 0)
-        return q->space != VV_MEASURE_IN_WORLD && vvi_measure_has_word(m->uses, "points");
+        return q->space != VV_MEASURE_IN_WORLD &&
+               (vvi_measure_has_word(m->uses, "points") || vvi_measurement_has_region(q));
     return true;
 }
 

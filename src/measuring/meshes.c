@@ -54,10 +54,16 @@ vv_status vvi_measure_mesh(vvi_measuring *m)
     vv_mesh_measure_options o;
     vv_mesh_measures found;
     vv_mesh_measure_options_init(&o, sizeof o);
+    vv_plane region[6];
+    size_t n;
     o.open = m->what != VVI_VOLUME;
-    const vv_status st = vv_mesh_measure(&found, mesh, &o, m->job);
+    vv_status st = vvi_measuring_mesh_region(region, &n, m);
+    if (st == VV_OK && n > 0)
+        st = vvi_measure_mesh_within(&found, m, region, n);
+    else if (st == VV_OK && (st = vv_mesh_measure(&found, mesh, &o, m->job)) != VV_OK)
+        st = vv_fail_in(st, "%s", m->input->name);
     if (st != VV_OK)
-        return vv_fail_in(st, "%s", m->input->name);
+        return st;
     vvi_mesh_measures_put(m->answer, m->what, &found, vv_mesh_get_info(mesh)->unit);
     return VV_OK;
 }

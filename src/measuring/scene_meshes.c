@@ -1,4 +1,4 @@
-/* Meshes of a scene, where it places them and cut as it cuts them. */
+/* Meshes of a scene, where it places them and cut as it cuts them; and what of a mesh is in a region. */
 #include "core/memory.h"
 #include "core/vec.h"
 #include "measuring/meshes.h"
@@ -32,7 +32,7 @@ static vv_status measure_cut(vv_mesh_measures *out, const vv_measured_data *s, b
     snprintf(o.unit, sizeof o.unit, "%s", s->unit);
     vv_status st = cut(&kept, s, cap, job);
     if (st == VV_OK && (st = vv_mesh_measure(out, kept, &o, job)) != VV_OK)
-        st = vv_fail_in(st, "volumes.%s", s->shown);
+        st = s->shown ? vv_fail_in(st, "volumes.%s", s->shown) : vv_fail_in(st, "%s", s->name);
     vv_mesh_release(kept);
     return st;
 }
@@ -45,6 +45,34 @@ static vv_status measure_shown(vv_mesh_measures *out, const vv_measured_data *s,
     if (st == VV_OK && s->n_planes && !closed && (st = measure_cut(&without, s, false, true, job)) == VV_OK)
         out->area = without.area;
     return st;
+}
+
+/* What of it is in the planes of a region, too. */
+static vv_status measure_within(vv_mesh_measures *out, const vv_measured_data *data, const vv_plane *region, size_t n,
+                                bool open, bool closed, vv_job *job)
+{
+    vv_measured_data within = *data;
+    vv_plane *planes = calloc(data->n_planes + n + 1, sizeof *planes);
+    if (!planes)
+        return vv_fail_memory((data->n_planes + n) * sizeof *planes);
+    for (size_t i = 0; i < data->n_planes; i++)
+        planes[i] = data->planes[i];
+    for (size_t i = 0; i < n; i++)
+        planes[data->n_planes + i] = region[i];
+    within.planes = planes;
+    within.n_planes = data->n_planes + n;
+    const vv_status st = measure_shown(out, &within, open, closed, job);
+    free(planes);
+    return st;
+}
+
+vv_status vvi_measure_mesh_within(vv_mesh_measures *out, const vvi_measuring *m, const vv_plane *region, size_t n)
+{
+    vv_measured_data own = *m->input;
+    own.place = vv_affine_identity();
+    own.unit = vv_mesh_get_info(own.mesh)->unit;
+    own.n_planes = 0;
+    return measure_within(out, &own, region, n, m->what != VVI_VOLUME, false, m->job);
 }
 
 /* Places, and triangles that still face outwards where it is mirrored. */
@@ -127,12 +155,15 @@ static void add(vv_mesh_measures *total, const vv_mesh_measures *m, bool first)
 static vv_status measure_all(found *f, const vvi_measuring *m, bool open)
 {
     const vv_measured_data *all = m->inputs->input;
-    vv_status st = VV_OK;
+    vv_plane region[6];
+    size_t n = 0;
+    vv_status st = vvi_measuring_mesh_region(region, &n, m);
     for (size_t i = 0; i < m->inputs->n_inputs && st == VV_OK; i++) {
         if (strcmp(all[i].unit, all[0].unit) != 0)
             st = vv_fail(VV_E_ARGUMENT, "volumes.%s is in %s and volumes.%s in %s: convert one, or hide one with --set",
                          all[0].shown, all[0].unit, all[i].shown, all[i].unit);
-        if (st == VV_OK && (st = measure_shown(&f->each[i], &all[i], open, m->asked->closed, m->job)) == VV_OK)
+        if (st == VV_OK &&
+            (st = measure_within(&f->each[i], &all[i], region, n, open, m->asked->closed, m->job)) == VV_OK)
             add(&f->total, &f->each[i], i == 0);
     }
     return st;

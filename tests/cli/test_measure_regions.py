@@ -2,7 +2,7 @@
 import json
 import numpy as np
 from PIL import Image
-from harness import fails, main, ok, says, volvis
+from harness import Skip, fails, main, ok, says, volvis
 from measure_inputs import near, noise, write
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64")
@@ -212,6 +212,68 @@ def test_scenes_keep_them_and_pictures_show_them():
             seen.append(np.array(Image.open(name).convert("RGB"), int))
         n = (np.abs(seen[1] - seen[0]).max(-1) > 40).sum()
         assert least <= n <= most, (depth, n)
+
+
+def write_ball(name, radius, n=60):
+    """Triangles of a sphere; its corners."""
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, n + 1)[1:-1], np.linspace(0, 2 * np.pi, 2 * n, endpoint=False), indexing="ij")
+    rings = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1).reshape(-1, 3)
+    corners = (radius * np.concatenate([[(0, 0, 1)], rings, [(0, 0, -1)]])).astype(np.float32).astype(float)
+    m, last = 2 * n, len(corners) - 1
+    faces = []
+    for i in range(m):
+        j = (i + 1) % m
+        faces += [(0, 1 + i, 1 + j), (last, 1 + (n - 2) * m + j, 1 + (n - 2) * m + i)]
+        for r in range(n - 2):
+            a, b = 1 + r * m + i, 1 + r * m + j
+            faces += [(a, a + m, b), (b, a + m, b + m)]
+    with open(name, "w") as file:
+        file.write("".join("v %.9g %.9g %.9g\n" % tuple(p) for p in corners) + "".join("f %d %d %d\n" % tuple(k + 1 for k in f) for f in faces))
+    return corners
+
+
+def clipped(corners, middle, axes, half):
+    """Volume of a convex body within a box, and the area of the body's own surface there: by half-spaces."""
+    from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+    offsets = axes @ middle
+    sides = np.concatenate([np.c_[axes, -offsets - half], np.c_[-axes, offsets - half]])
+    inside = HalfspaceIntersection(np.concatenate([ConvexHull(corners).equations, sides]), middle * 0.7)
+    hull = ConvexHull(inside.intersections)
+    own = 0
+    for triangle, plane in zip(hull.points[hull.simplices], hull.equations):
+        if np.abs(sides - plane).max(1).min() > 1e-6:
+            own += np.linalg.norm(np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) / 2
+    return hull.volume, own
+
+
+def test_of_meshes_boxes_are_cut_out():
+    try:
+        import scipy.spatial  # noqa: F401
+    except ImportError:
+        raise Skip("SciPy is not there") from None
+    corners = write_ball("ball.obj", 10)
+    for normal, right, middle, size in (((0, 0, 1), (1, 0, 0), (0, 0, 7.5), (40, 40, 5)), ((1, 1, 2), (1, -0.3, 0), (3, 2, 4), (9, 8, 7)), ((0.3, -1, 0.2), (1, 0, 0.5), (-4, 5, 1), (30, 6, 12))):
+        axes, middle, size = axes_of(normal, right), np.array(middle, float), np.array(size, float)
+        region = words(region="box", center=middle, size=size, normal=axes[2], right=axes[0])
+        volume, area = clipped(corners, middle, axes, size / 2)
+        found = ok("measure", "ball.obj", *region, "--json").json
+        assert abs(found["volume"] - volume) <= found["volume_error"] < 1e-4 * volume and found["closed"], (found["volume"], volume)
+        assert abs(found["area"] - area) <= found["area_error"] + 1e-6 * area < 1e-3 * area, (found["area"], area)
+        near(found["region_volume_exact"], np.prod(size), 1e-12)
+    ok("render", "ball.obj", "-o", "m.png", "--size", "16x16", "--save-scene", "m.vv.json")
+    place = ("--set", "volumes.ball.place.scale=2,2,2", "--set", "volumes.ball.place.position=5,6,7")
+    near(ok("measure", "volume", "m.vv.json", *place, *words(region="box", center=2 * middle + (5, 6, 7), size=2 * size, normal=axes[2], right=axes[0]), "--json").json["volume"], 8 * volume, 1e-5)
+    ok("measure", "volume", "ball.obj", *region, "--store", "s.vv.json")
+    says(ok("measure", "s.vv.json").text, "as before")
+    assert ok("measure", "area", "ball.obj", *words(region="box", center=(90, 0, 0), size=(1, 1, 1)), "--json").json["area"] == 0
+
+
+def test_of_meshes_other_regions_are_refused_in_a_sentence():
+    write_ball("ball.obj", 10, n=8)
+    says(fails(2, "measure", "area", "ball.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(1, 1, 1))), "only what lies in a box", "--region box")
+    says(fails(2, "measure", "area", "ball.obj", *words(region="box", center=(0, 0, 0), size=(1, 1, 0))), "no slices")
+    says(fails(2, "measure", "area", "ball.obj", *words(region="box", center=(0, 0, 0), size=(1, 1, 1), space="index")), "--space has no effect")
 
 
 main()
