@@ -288,3 +288,10 @@ void *vvi_realloc(vv_job *job, void *memory, size_t bytes, vvi_memory_tag tag)
     }
     return moved;
 }
+
+vv_status vvi_memory_is_there(size_t bytes)
+{
+    void *room = vvi_realloc_plain(NULL, bytes); /* not touched: it costs nothing */
+    free(room);
+    return room ? VV_OK : vv_fail_memory(bytes);
+}

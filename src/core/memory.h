@@ -41,6 +41,9 @@ vv_status vvi_mul3_size(size_t *out, size_t a, size_t b, size_t c);
 /** Small uncounted memory, given back with free(): calloc and realloc that obey vvi_alloc_fail_after(). */
 void *vvi_calloc(size_t n, size_t size);
 void *vvi_realloc_plain(void *memory, size_t bytes);
+/** VV_E_MEMORY where the system has not as much: before a library is called that crashes, or writes what cannot be
+ * read, where it is refused memory. Nothing is taken; another thread may take it meanwhile. */
+vv_status vvi_memory_is_there(size_t bytes);
 
 /** Small text helpers on malloc memory (NULL when there is none). */
 char *vvi_strdup(const char *text);

@@ -10,6 +10,8 @@ static void leave(j_common_ptr jpeg)
 {
     vvi_jpeg_error *error = (vvi_jpeg_error *)(void *)jpeg->err;
     jpeg->err->format_message(jpeg, error->text);
+    if (jpeg->err->msg_code == JERR_OUT_OF_MEMORY)
+        error->status = vv_fail(VV_E_MEMORY, "there is no memory for what libjpeg has to keep");
     longjmp(error->jump, 1);
 }
 

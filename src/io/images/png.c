@@ -1,24 +1,53 @@
 /* PNG: the row of the table, and how libpng's jumps are caught. */
 #include "io/images/png.h"
 
+#include "core/memory.h"
 #include "registry.h"
 
 #include <setjmp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-void vvi_png_fail(png_structp png, png_const_charp message)
+static void fail(png_structp png, png_const_charp message)
 {
     vvi_png_error *error = png_get_error_ptr(png);
+    if (error->refused && error->status == VV_OK)
+        error->status = vv_fail_memory(error->refused);
     snprintf(error->text, sizeof error->text, "%s", message);
     png_longjmp(png, 1);
 }
 
 /* What libpng only warns of (an odd profile, a time stamp) does not change the picture. */
-void vvi_png_warn(png_structp png, png_const_charp message)
+static void warn(png_structp png, png_const_charp message)
 {
     (void)png;
     (void)message;
+}
+
+static png_voidp take_memory(png_structp png, png_alloc_size_t n)
+{
+    vvi_png_error *error = png_get_mem_ptr(png);
+    void *memory = vvi_realloc_plain(NULL, n);
+    if (!memory)
+        error->refused = n;
+    return memory;
+}
+
+static void give_memory(png_structp png, png_voidp memory)
+{
+    (void)png;
+    free(memory);
+}
+
+png_structp vvi_png_begin_write(vvi_png_error *error)
+{
+    return png_create_write_struct_2(PNG_LIBPNG_VER_STRING, error, fail, warn, error, take_memory, give_memory);
+}
+
+png_structp vvi_png_begin_read(vvi_png_error *error)
+{
+    return png_create_read_struct_2(PNG_LIBPNG_VER_STRING, error, fail, warn, error, take_memory, give_memory);
 }
 
 bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user)

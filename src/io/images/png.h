@@ -9,12 +9,14 @@
 
 /** libpng leaves a failing call by longjmp; this keeps what it said. `status` is VV_OK until something failed. */
 typedef struct vvi_png_error {
-    vv_status status; /**< of our own reading or writing, whose text is already the thread's error */
+    vv_status status; /**< of our own reading or writing, or of its memory; its text is already the thread's error */
     char text[160];   /**< libpng's words, when status is VV_OK */
+    size_t refused; /**< bytes of memory that it did not get, last; it calls files damaged then, or leaves texts out */
 } vvi_png_error;
 
-void vvi_png_fail(png_structp png, png_const_charp message);
-void vvi_png_warn(png_structp png, png_const_charp message);
+/** NULL: no memory. */
+png_structp vvi_png_begin_write(vvi_png_error *error);
+png_structp vvi_png_begin_read(vvi_png_error *error);
 /** Runs step(user) and comes back also when libpng jumps: false. */
 bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user);
 

@@ -40,6 +40,8 @@ static void read_bytes(png_structp png, png_bytep out, size_t n)
 
 static vv_status failure(const reader *r)
 {
+    if (r->error.refused)
+        return vv_fail_memory(r->error.refused);
     if (r->error.status != VV_OK)
         return r->error.status;
     char where[48];
@@ -49,7 +51,7 @@ static vv_status failure(const reader *r)
 
 static vv_status open_reader(reader *r)
 {
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r->error, vvi_png_fail, vvi_png_warn);
+    r->png = vvi_png_begin_read(&r->error);
     r->info = r->png ? png_create_info_struct(r->png) : NULL;
     if (!r->info)
         return vv_fail_memory(4096);

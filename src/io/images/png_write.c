@@ -155,13 +155,15 @@ static vv_status write_part(writer *w)
 
 static vv_status write_file(writer *w)
 {
-    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &w->error, vvi_png_fail, vvi_png_warn);
+    w->png = vvi_png_begin_write(&w->error);
     w->info = w->png ? png_create_info_struct(w->png) : NULL;
     vv_status st = w->info ? with_libpng(w, write_head, w) : vv_fail_memory(4096);
     while (st == VV_OK && w->y < w->rows->height)
         st = write_part(w);
     if (st == VV_OK)
         st = with_libpng(w, write_end, w);
+    if (st == VV_OK && w->error.refused)
+        st = vv_fail_memory(w->error.refused);
     png_destroy_write_struct(&w->png, &w->info);
     return st;
 }

@@ -58,9 +58,7 @@ static bool read_bytes(void *user, haddr_t address, size_t n, void *out)
 
 vv_status vvi_h5_reserve(size_t more)
 {
-    void *room = vvi_realloc_plain(NULL, NEEDS + more); /* not touched: it costs nothing */
-    free(room);
-    return room ? VV_OK : vv_fail_memory(NEEDS + more);
+    return vvi_memory_is_there(NEEDS + more);
 }
 
 void vvi_h5_lock(void)

@@ -53,7 +53,7 @@ bool vvi_slices_decode_png(void *out, size_t n_out, const vvi_tiff_page *page, c
 {
     vvi_png_error error = {0};
     decoding d = {.coded = coded, .n = n, .out = out, .n_out = n_out, .page = page};
-    d.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &error, vvi_png_fail, vvi_png_warn);
+    d.png = vvi_png_begin_read(&error);
     d.info = d.png ? png_create_info_struct(d.png) : NULL;
     bool good = false;
     if (d.info) {

@@ -55,7 +55,7 @@ vv_status vvi_slices_encode_png(uint8_t **out, size_t *n_out, const uint8_t *sam
     vv_status st = vvi_sink_open_memory(&e.sink, name, job);
     if (st != VV_OK)
         return st;
-    e.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &e.error, vvi_png_fail, vvi_png_warn);
+    e.png = vvi_png_begin_write(&e.error);
     e.info = e.png ? png_create_info_struct(e.png) : NULL;
     if (!e.info)
         st = vv_fail_memory(4096);
