@@ -42,24 +42,28 @@ VV_INLINE void light_shares(vf out[VVI_LIGHT_SHARES], const vvi_light *light, vf
     const light_place at = find_light_place(light, p, normal);
     const vf one = vf_set1(1.0f);
     const vm all = vm_first_n(VV_WIDTH);
-    const vi first = at.cell * vi_set1(v->n_words);
+    const vi first = v->n_words == 1 ? at.cell : at.cell * vi_set1(v->n_words);
     for (int i = 0; i < v->n_shares; i++)
         out[i] = vf_set1(0.0f);
-    for (int corner = 0; corner < 8; corner++) {
-        const int32_t step = (corner & 1) + (corner & 2 ? v->n[0] : 0) + (corner & 4 ? v->n[0] * v->n[1] : 0);
-        vf weight = one;
-        VV_UNROLL
-        for (int a = 0; a < 3; a++) {
-            if (corner >> a & 1)
-                weight = weight * at.f[a];
-            else
-                weight = weight * (one - at.f[a]);
-        }
+    const vf along_y[2] = {one - at.f[1], at.f[1]}, along_z[2] = {one - at.f[2], at.f[2]};
+    VV_UNROLL
+    for (int row = 0; row < 4; row++) {
+        const int32_t step = (row & 1 ? v->n[0] : 0) + (row & 2 ? v->n[0] * v->n[1] : 0);
+        const vf weight = along_y[row & 1] * along_z[row >> 1];
         for (int w = 0; w < v->n_words; w++) {
-            vi bits = vi_gather(v->cells + step * v->n_words + w, vi_shl(first, 2), all);
+            const uint32_t *words = v->cells + (ptrdiff_t)step * v->n_words + w;
+            vi left, right;
+            if (v->n_words == 1) { /* neighbours along x stand side by side */
+                vi_gather_pair4(words, first, all, &left, &right);
+            } else {
+                left = vi_gather(words, vi_shl(first, 2), all);
+                right = vi_gather(words + v->n_words, vi_shl(first, 2), all);
+            }
             for (int i = 4 * w; i < v->n_shares && i < 4 * w + 4; i++) {
-                out[i] = vf_fma(weight, vf_from_vi(bits & vi_set1(255)), out[i]);
-                bits = vi_shr_u(bits, 8);
+                const vf a = vf_from_vi(left & vi_set1(255)), b = vf_from_vi(right & vi_set1(255));
+                out[i] = vf_fma(weight, vf_lerp(a, b, at.f[0]), out[i]);
+                left = vi_shr_u(left, 8);
+                right = vi_shr_u(right, 8);
             }
         }
     }

@@ -258,21 +258,65 @@ VV_INLINE texel_pair find_texels(vf u, vi n, int wrap)
     return p;
 }
 
+/* The level that all lanes of m look in; -1: they differ. */
+VV_INLINE int32_t common_level(vi level, vm m)
+{
+    int32_t of[VV_WIDTH];
+    vi_store(of, level);
+    const int32_t first = of[__builtin_ctz(vm_bits(m))];
+    return vm_any(vm_andnot(m, vi_eq(level, vi_set1(first)))) ? -1 : first;
+}
+
+/* Lanes whose texels stand beside each other in memory: no border is between them. */
+VV_INLINE vm are_neighbours(const texel_pair *p)
+{
+    return vi_eq(p->at[1], p->at[0] + vi_set1(1));
+}
+
+VV_INLINE void mix_texels(vf rgba[4], vf from[4][4], vf fx, vf fy)
+{
+    VV_UNROLL
+    for (int i = 0; i < 4; i++)
+        rgba[i] = vf_lerp(vf_lerp(from[0][i], from[1][i], fx), vf_lerp(from[2][i], from[3][i], fx), fy);
+}
+
+/* All in one level. Where no lane is at a border, one number of each says where its four texels are: to take a vector
+ * of numbers apart costs as much as the texels. */
+static __attribute__((noinline)) bool look_up_inside(vf rgba[4], const vvi_texture *t, const image_at *p,
+                                                     const vvi_image_level *level, vm m)
+{
+    const vi width = vi_set1(level->n[0]), first = vi_set1(level->first);
+    const texel_pair x = find_texels(p->u, width, p->wrap_u), y = find_texels(p->v, vi_set1(level->n[1]), p->wrap_v);
+    if (vm_any(vm_andnot(m, vm_and(are_neighbours(&x), are_neighbours(&y)))))
+        return false;
+    const vi at = vi_shl(vi_select(m, first + y.at[0] * width + x.at[0], first), 2);
+    const float *texels = t->levels.texels, *below = texels + 4 * (size_t)level->n[0];
+    vf four[4][4];
+    vf_rows4(four[0], texels, at);
+    vf_rows4(four[1], texels + 4, at);
+    vf_rows4(four[2], below, at);
+    vf_rows4(four[3], below + 4, at);
+    mix_texels(rgba, four, x.weight, y.weight);
+    return true;
+}
+
 /* Each lane in a level of its own. */
-static __attribute__((noinline)) void look_up(vf rgba[4], const vvi_texture *t, const image_at *p, vi level)
+static __attribute__((noinline)) void look_up(vf rgba[4], const vvi_texture *t, const image_at *p, vi level, vm m)
 {
     enum { ROW = sizeof(vvi_image_level) / sizeof(float) };
-    vf row[4], a[4], b[4], c[4], d[4];
+    const int32_t common = common_level(level, m);
+    if (common >= 0 && look_up_inside(rgba, t, p, &t->levels.level[common], m))
+        return;
+    vf row[4], four[4][4];
     vf_rows4(row, (const float *)(const void *)t->levels.level, level * vi_set1(ROW));
     const vi width = vi_bits(row[0]), first = vi_bits(row[2]);
     const texel_pair x = find_texels(p->u, width, p->wrap_u), y = find_texels(p->v, vi_bits(row[1]), p->wrap_v);
     const vi above = first + y.at[0] * width, below = first + y.at[1] * width;
-    vf_rows4(a, t->levels.texels, vi_shl(above + x.at[0], 2));
-    vf_rows4(b, t->levels.texels, vi_shl(above + x.at[1], 2));
-    vf_rows4(c, t->levels.texels, vi_shl(below + x.at[0], 2));
-    vf_rows4(d, t->levels.texels, vi_shl(below + x.at[1], 2));
-    for (int i = 0; i < 4; i++)
-        rgba[i] = vf_lerp(vf_lerp(a[i], b[i], x.weight), vf_lerp(c[i], d[i], x.weight), y.weight);
+    vf_rows4(four[0], t->levels.texels, vi_shl(above + x.at[0], 2));
+    vf_rows4(four[1], t->levels.texels, vi_shl(above + x.at[1], 2));
+    vf_rows4(four[2], t->levels.texels, vi_shl(below + x.at[0], 2));
+    vf_rows4(four[3], t->levels.texels, vi_shl(below + x.at[1], 2));
+    mix_texels(rgba, four, x.weight, y.weight);
 }
 
 VV_INLINE void image_color(vf rgba[4], const vvi_texture *t, const vf q[3], vf w, vm m)
@@ -284,11 +328,11 @@ VV_INLINE void image_color(vf rgba[4], const vvi_texture *t, const vf q[3], vf w
     const vf texels =
         vf_max(p.du * vf_set1((float)t->levels.level[0].n[0]), p.dv * vf_set1((float)t->levels.level[0].n[1])) * w;
     const vf level = vf_min(vf_log2(vf_max(texels, one)), last), first = vf_floor(level);
-    look_up(rgba, t, &p, vi_trunc(first));
+    look_up(rgba, t, &p, vi_trunc(first), m);
     if (!vm_any(vm_and(m, vf_lt(first, level))))
         return;
     vf above[4];
-    look_up(above, t, &p, vi_trunc(vf_min(first + one, last)));
+    look_up(above, t, &p, vi_trunc(vf_min(first + one, last)), m);
     for (int c = 0; c < 4; c++)
         rgba[c] = vf_lerp(rgba[c], above[c], level - first);
 }
