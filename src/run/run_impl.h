@@ -61,8 +61,9 @@ struct vv_run {
     vv_job *job;
     const char *path; /* of the output */
     bool written, settled;
-    bool whole;     /* a step takes all samples at once */
-    int64_t chosen; /* the time step that was chosen of the first input, and holds for others; -1: none was */
+    bool whole;              /* a step takes all samples at once */
+    uint64_t passes_scratch; /* bytes on the disk, of steps that stream in passes */
+    int64_t chosen;          /* the time step that was chosen of the first input, and holds for others; -1: none was */
     vv_run_about about;
     int64_t n_results; /* time steps, or layers */
     vv_data *results;
@@ -80,6 +81,8 @@ struct vv_run {
 
 /** run_plan.c: all but results and what is written. */
 vv_status vvi_run_plan_all(vv_run *run, const vv_run_output *output);
+/** Of one that was to be in memory, and can stream: it does. Once. */
+vv_status vvi_run_plan_streamed(vv_run *run);
 /** The last node: what the run makes. */
 int vvi_run_last(const vv_run *run);
 /** Of what is joined in step `s` the one that has time step *index, which becomes its own. */

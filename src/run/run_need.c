@@ -109,7 +109,7 @@ static vv_status rehearse(const vv_run *r)
     return st == VV_E_LIMIT ? tell_need(r) : st == VV_E_CANCELLED ? st : VV_OK;
 }
 
-vv_status vvi_run_make_fitting(vv_run *r)
+static vv_status make_planned(vv_run *r)
 {
     const bool passes = r->about.streamed && has_passes(r);
     vv_status st = passes ? rehearse(r) : VV_OK;
@@ -120,6 +120,29 @@ vv_status vvi_run_make_fitting(vv_run *r)
         st = make_first(r, r->job);
     /* memory is of no file; and what has passed the rehearsal says itself what it lacks */
     return st != VV_E_LIMIT || !r->about.streamed || passes || vv_error_last()->file ? st : tell_need(r);
+}
+
+/* What steps hold may hang on the samples: where memory turns out to lack, those that can begin again slab by slab. */
+static vv_status stream_instead(vv_run *r)
+{
+    vvi_error_copy before;
+    vvi_error_take(&before);
+    vv_job_forget_findings(r->job);
+    vv_status st = vvi_run_plan_streamed(r);
+    if (st == VV_OK)
+        st = make_planned(r);
+    if (st == VV_OK || st == VV_E_LIMIT || st == VV_E_CANCELLED || st == VV_E_WRITE) {
+        vvi_error_copy_free(&before);
+        return st;
+    }
+    return vvi_error_put(&before); /* what came by a pipe is gone, say */
+}
+
+vv_status vvi_run_make_fitting(vv_run *r)
+{
+    const vv_status st = make_planned(r);
+    const bool can = r->about.makes == VV_IS_FIELD && !r->whole && r->job && vv_job_runtime(r->job);
+    return st == VV_E_LIMIT && can && !r->about.streamed ? stream_instead(r) : st;
 }
 
 vv_status vvi_run_try(vv_run *r)

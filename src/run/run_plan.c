@@ -169,7 +169,7 @@ static vv_status plan_step(vv_run *r, size_t s)
     r->about.working = working > r->about.working ? working : r->about.working;
     r->whole |= o->run_box ? working > 0 : !o->passes;
     if (o->passes && o->passes->scratch && !r->whole)
-        r->about.scratch += o->passes->scratch(infos, o->joins ? 1 : takes->n, step->params);
+        r->passes_scratch += o->passes->scratch(infos, o->joins ? 1 : takes->n, step->params);
     r->ways[s].bytes = bytes;
     r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     return VV_OK;
@@ -266,26 +266,32 @@ static uint64_t spooled_bytes(const vv_run *r)
     return all;
 }
 
-/* More than fits is streamed, unless a step cannot: then what it takes is said before the work. */
-static vv_status plan_memory(vv_run *r)
+vv_status vvi_run_plan_streamed(vv_run *r)
 {
-    vv_status st = VV_OK;
-    const bool streamed = vvi_stream_needed(r->about.bytes, r->job) && !r->whole;
     size_t place[VVI_RUN_INPUTS] = {0}, n = 0;
     for (size_t i = 0; i < r->n_inputs; i++) { /* the first that has a pool comes first */
         place[i] = r->nodes[i].pool == i ? n++ : place[r->nodes[i].pool];
         r->nodes[i].pool = place[i];
     }
-    if (streamed)
-        choose_ways(r);
-    if (streamed && (st = vvi_stream_init(&r->stream, n, r->ways, r->n_steps, r->job)) == VV_OK) {
-        r->about.scratch += spooled_bytes(r);
-        r->about.bytes = r->stream.bytes;
-        r->about.working = 0;
-    } else
-        r->about.scratch = 0;
-    r->about.streamed = streamed;
-    return st;
+    choose_ways(r);
+    const vv_status st = vvi_stream_init(&r->stream, n, r->ways, r->n_steps, r->job);
+    if (st != VV_OK)
+        return st;
+    r->about.scratch = r->passes_scratch + spooled_bytes(r);
+    r->about.bytes = r->stream.bytes;
+    r->about.working = 0;
+    r->about.streamed = true;
+    return VV_OK;
+}
+
+/* More than fits, with what steps hold beside it, is streamed, unless a step cannot: then what it takes is said before
+ * the work. */
+static vv_status plan_memory(vv_run *r)
+{
+    const vv_runtime *runtime = r->job ? vv_job_runtime(r->job) : NULL;
+    const uint64_t limit = runtime ? vv_runtime_memory_limit(runtime) : UINT64_MAX;
+    const bool fits = r->about.bytes <= limit && r->about.working <= limit - r->about.bytes;
+    return (vvi_stream_needed(r->about.bytes, r->job) || !fits) && !r->whole ? vvi_run_plan_streamed(r) : VV_OK;
 }
 
 /* The whole ------------------------------------------------------------------------------------------------------- */

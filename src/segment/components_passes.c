@@ -134,12 +134,10 @@ static vv_status table_new(table *out, uint32_t room, vv_job *job)
     const size_t bytes = room * (sizeof *out->size + sizeof *out->label + sizeof *out->rank);
     vv_status st = VV_OK;
     *out = (table){.room = room};
-    if (job && bytes > vv_runtime_memory_limit(vv_job_runtime(job)) / SHARE) {
-        st = vvi_scratch_file_new(&out->file, bytes, "components", job);
-        if (st == VV_OK)
-            st = vvi_scratch_file_map(&out->data, out->file);
-    } else if (!(out->data = vvi_alloc(job, bytes, VVI_MEM_SCRATCH)))
-        st = vv_fail_memory(bytes);
+    if (!job || bytes <= vv_runtime_memory_limit(vv_job_runtime(job)) / SHARE)
+        out->data = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!out->data && (st = vvi_scratch_file_new(&out->file, bytes, "components", job)) == VV_OK)
+        st = vvi_scratch_file_map(&out->data, out->file);
     if (st != VV_OK) {
         table_free(out);
         return st;
@@ -213,48 +211,61 @@ static void *copy_of(const void *from, size_t bytes, vv_job *job)
     return to;
 }
 
-/* All but the last slice goes. */
-static vv_status keep_last(vvi_runs *runs, vv_job *job)
+/* The last slice alone. */
+static vv_status last_of(vvi_runs *out, const vvi_runs *runs, vv_job *job)
 {
     const size_t rows = (size_t)runs->n[1], row = runs->n_rows - rows;
     const uint32_t from = runs->first[row], n = runs->first[runs->n_rows] - from;
-    vvi_runs last = {.n = {runs->n[0], runs->n[1], 1}, .n_rows = rows, .n_runs = n, .n_parts = runs->n_parts};
-    last.first = copy_of(runs->first + row, (rows + 1) * sizeof *last.first, job);
-    last.lo = copy_of(runs->lo + from, n * sizeof *last.lo, job);
-    last.end = copy_of(runs->end + from, n * sizeof *last.end, job);
-    last.part = copy_of(runs->part + from, n * sizeof *last.part, job);
-    last.key = runs->key ? copy_of(runs->key + from, n * sizeof *last.key, job) : NULL;
-    const bool all = last.first && last.lo && last.end && last.part && (last.key || !runs->key);
+    *out = (vvi_runs){.n = {runs->n[0], runs->n[1], 1}, .n_rows = rows, .n_runs = n, .n_parts = runs->n_parts};
+    out->first = copy_of(runs->first + row, (rows + 1) * sizeof *out->first, job);
+    out->lo = copy_of(runs->lo + from, n * sizeof *out->lo, job);
+    out->end = copy_of(runs->end + from, n * sizeof *out->end, job);
+    out->part = copy_of(runs->part + from, n * sizeof *out->part, job);
+    out->key = runs->key ? copy_of(runs->key + from, n * sizeof *out->key, job) : NULL;
+    const bool all = out->first && out->lo && out->end && out->part && (out->key || !runs->key);
     for (size_t i = 0; i <= rows && all; i++)
-        last.first[i] -= from;
-    vvi_runs_finish(runs);
-    *runs = last;
-    return all ? VV_OK : vv_fail_memory((n + rows) * sizeof *last.part);
+        out->first[i] -= from;
+    if (!all)
+        vvi_runs_finish(out);
+    return all ? VV_OK : vv_fail_memory((n + rows) * sizeof *out->part);
+}
+
+/* The runs of a slab and, for the face to the next one, of its last slice. */
+static vv_status find_runs(vvi_runs *runs, vvi_runs *last, const passes *p, const slab *s)
+{
+    vv_status st = runs_of(runs, p, s->lo, s->n);
+    if (st == VV_OK && (st = last_of(last, runs, p->job)) != VV_OK)
+        vvi_runs_finish(runs);
+    return st;
+}
+
+static vv_status fail_slice(int64_t k)
+{
+    return vv_fail_in(VV_E_LIMIT, "components: slice %lld is in more pieces than the memory limit holds", (long long)k);
 }
 
 /* The next slab, thinner where it is in more pieces than memory holds. */
 static vv_status take_slab(passes *p, face *before, int64_t lo, int64_t *step)
 {
     const int64_t left = p->info->grid.dims[2] - lo;
-    vvi_runs runs;
+    vvi_runs runs, last;
     slab *s = &p->slabs[p->n_slabs];
     vv_status st;
     for (;; *step /= 2) {
         *s = (slab){lo, left < *step ? left : *step, p->n};
-        st = runs_of(&runs, p, s->lo, s->n);
+        st = find_runs(&runs, &last, p, s);
         if (st != VV_E_LIMIT || *step < 2)
             break;
     }
     if (st != VV_OK)
-        return st;
+        return st == VV_E_LIMIT ? fail_slice(lo) : st;
     if ((st = number(p, &runs)) == VV_OK && lo > 0)
         st = unite_face(p, before, &runs, p->n);
-    vvi_runs_finish(&before->runs);
-    *before = (face){runs, p->n};
     p->n += runs.n_parts;
-    if (st == VV_OK)
-        st = keep_last(&before->runs, p->job);
     p->n_slabs++;
+    vvi_runs_finish(&runs);
+    vvi_runs_finish(&before->runs);
+    *before = (face){last, s->first};
     return st;
 }
 

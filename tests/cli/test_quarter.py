@@ -171,6 +171,24 @@ def test_what_goes_through_files_says_so_and_asks_for_room_before_it_begins():
     assert [name for name in sorted(os.listdir(".")) if not name.endswith(".part")] == before
 
 
+def test_pieces_that_are_more_than_was_foretold_stream():
+    if np is None or sanitized():
+        raise Skip("NumPy is not there" if np is None else "sanitizers hold memory of their own")
+    random = np.random.default_rng(3)
+    for name, data in (("board", np.indices(SHAPE).sum(0) % 2), ("many", random.integers(0, 200, SHAPE))):  # a run, or a label, each voxel
+        write(f"{name}.nrrd", data.astype("u1"))
+        ok("components", f"{name}.nrrd", "-o", "whole.nrrd", "--overwrite", "--encoding", "raw")
+        with open("whole.nrrd", "rb") as whole:
+            want = whole.read()
+        for memory in (11 * BYTES, 9 * BYTES, 6 * BYTES, 2 * BYTES):  # the first was to be in memory
+            part = in_memory(["components", f"{name}.nrrd"], memory)
+            assert part.code == 0 and part.json["streamed"], (name, memory // BYTES, part.message)
+            with open("part.nrrd", "rb") as file:
+                assert file.read() == want, (name, memory // BYTES)
+    part = in_memory(["components", "many.nrrd"], BYTES // 4)
+    assert part.code == 4 and "--memory" in part.message, part.message
+
+
 def test_a_refusal_says_how_much_is_enough():
     make_volumes(("f4",))
     words = ["median", "@f4.nrrd", "--radius", "3vox"]
