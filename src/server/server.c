@@ -343,6 +343,7 @@ vv_status vvi_server_free(vvi_server *server, bool keep)
     pthread_mutex_lock(&server->waking);
     server->gone = true;
     pthread_mutex_unlock(&server->waking);
+    server->is_shut = false; /* the doors go before those who have come in */
     if (server->context)
         lws_context_destroy(server->context); /* sockets leave the session */
     if (server->has_socket)
