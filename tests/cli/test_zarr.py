@@ -404,6 +404,18 @@ def test_pictures_take_the_finest_level_that_fits_and_everything_else_the_finest
     assert "level" not in ok(*words, "2G").message
 
 
+def test_what_is_larger_than_memory_is_drawn_from_its_bricks_in_all_modes():
+    z, y, x = numpy.ogrid[0:224, 0:224, 0:224]
+    data = (numpy.hypot(numpy.hypot(x - 111, y - 100), z - 120) < 90) * (100 + x // 4 + 0 * y * z)
+    zarr3.write_array("a.zarr", data.astype("u1"), (32, 32, 32), [LITTLE])
+    for words in (["--mode", "composite"], ["--iso", "90"], ["--mode", "maximum"], ["--mode", "mean"], ["--mode", "sum"]):
+        look = ("render", "a.zarr", *words, "--size", "48x48", "--spp", "1", "--overwrite", "-o")
+        ok(*look, "much.png", "--memory", "1G")
+        ok(*look, "little.png", "--memory", "9M")
+        with open("much.png", "rb") as much, open("little.png", "rb") as little:
+            assert much.read() == little.read(), words
+
+
 def test_global_transformations_come_after_those_of_the_level():
     more = {"coordinateTransformations": [{"type": "scale", "scale": [10, 10, 10]},
                                           {"type": "translation", "translation": [1, 2, 3]}]}

@@ -148,11 +148,14 @@ static bool is_translucent(const vv_mesh_texture *t)
     return some;
 }
 
-static bool has_faint_colors(const vv_mesh_info *m)
+/* Parts share their vertices, whose alpha is to mean the same in all. */
+static bool blends_vertices(const vv_mesh_info *m)
 {
     bool some = false;
     for (size_t i = 0; m->colors && i < m->n_vertices && !some; i++)
         some = m->colors[4 * i + 3] < 255;
+    for (size_t i = 0; m->colors && i < m->n_textures && !some; i++)
+        some = is_translucent(&m->textures[i]);
     return some;
 }
 
@@ -200,7 +203,7 @@ static void add_meshes(writer *w, const char *attributes, int first_indices)
         vvi_text_printf(&w->json, ",\"primitives\":[{\"attributes\":{%s},\"indices\":%d,\"material\":%zu}]}",
                         attributes, first_indices + (int)i, i);
     }
-    const bool faint = has_faint_colors(w->m);
+    const bool all = blends_vertices(w->m);
     vvi_text_add(&w->json, "],\"materials\":[");
     for (size_t i = 0; i < n_meshes(w); i++) {
         const vv_color *c = w->m->n_parts ? &w->m->parts[i].color : NULL;
@@ -214,7 +217,7 @@ static void add_meshes(writer *w, const char *attributes, int first_indices)
         if (texture)
             vvi_text_printf(&w->json, "\"baseColorTexture\":{\"index\":%zu},", texture - 1);
         const bool blend =
-            faint || (colored && !noted && c->a < 1) || (texture && is_translucent(&w->m->textures[texture - 1]));
+            all || (colored && !noted && c->a < 1) || (texture && is_translucent(&w->m->textures[texture - 1]));
         vvi_text_printf(&w->json, "\"metallicFactor\":0,\"roughnessFactor\":0.6}%s",
                         blend ? ",\"alphaMode\":\"BLEND\"" : "");
         if (noted) {
