@@ -47,11 +47,19 @@ VV_INLINE vi find_entry(const vvi_march_volume *f, vf value, vm m)
     return vm_any(split) ? split_entry(f, place, entry, alpha, split) : entry;
 }
 
-/** The table's optical depth of a full step, times `share`. */
+/** The table's optical depth of a full step, times `share`; where the entry is split, it says so itself. */
 VV_INLINE void look_up(sight *s, const vvi_march_volume *f, vf value, vf share, vm m)
 {
-    s->entry = find_entry(f, value, m);
-    s->depth = vf_gather4(f->classifier.color + 3, vi_shl(s->entry, 2), m) * share;
+    const vf place = entry_place(f, value), zero = vf_set1(0.0f);
+    const float *depths = f->classifier.color + 3;
+    s->entry = vi_trunc(place);
+    vf depth = vf_gather4(depths, vi_shl(s->entry, 2), m);
+    const vm split = vf_lt(depth, zero);
+    if (vm_any(split)) {
+        s->entry = split_entry(f, place, s->entry, zero - depth, split);
+        depth = vf_gather4(depths, vi_shl(s->entry, 2), m);
+    }
+    s->depth = depth * share;
 }
 
 /** Where a value stands among the rows of the integrals, and its row. */
@@ -132,7 +140,7 @@ VV_INLINE void mean_between(sight *s, const vvi_march_volume *f, const row_place
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_max(mean[c], vf_set1(0.0f)) * share;
     const vm still = vm_and(m, same);
-    if (vm_any(still))
+    if (f->classifier.has_split && vm_any(still))
         in_steep_row(s, f, value, share, still);
 }
 

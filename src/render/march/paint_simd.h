@@ -76,10 +76,12 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *pain
     const vf value = any_value(&paint->lattice, paint->nearest, &at, m);
     const vf place = vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift));
     const vi entry = vi_shl(vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(paint->n_entries - 1)))), 2);
+    vf row[4];
     m = vm_and(m, vf_eq(value, value));
+    vf_rows4(row, paint->color, entry);
     VV_UNROLL
     for (int c = 0; c < 3; c++)
-        rgb[c] = vf_select(m, vf_gather4(paint->color + c, entry, m), rgb[c]);
+        rgb[c] = vf_select(m, row[c], rgb[c]);
 }
 
 /** The colours of a volume that has some from elsewhere, in place of those of lanes m. */

@@ -62,6 +62,7 @@ typedef struct vvi_classifier {
     const float *alpha; /**< opacity of one step, by entry; split: the first of its own + VVI_ENTRY_SPLIT */
     const float *seen;  /**< r, g, b, that opacity, by entry; split: how many, -, -, as above */
     const float *color; /**< r, g, b, optical depth of one step, by entry; split: how many, -, -, -alpha */
+    bool has_split;     /**< whether there are such */
     float entry_scale, entry_shift;
     float last_place; /**< a hair below the number of entries that are not of others */
     /* integrated: place = stored * row_scale + row_shift; row i holds for places from i to i + 1, the first and the

@@ -46,6 +46,7 @@ static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *tab
         if (fine->parts[i])
             put_split(v, i, fine->first[i], fine->parts[i]);
     v->n_rows = rows;
+    f->classifier.has_split = fine->n_rows > 0;
     f->classifier.alpha = v->alpha;
     f->classifier.seen = v->seen;
     f->classifier.color = v->color;
