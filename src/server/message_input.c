@@ -130,11 +130,12 @@ vv_status vvi_message_ack(vvi_client *client, int64_t id, const json_t *message,
     const double travel = vvi_outbox_acknowledge(&client->box, (uint64_t)json_integer_value(frame), now);
     if (travel < 0)
         return VV_OK;
-    vvi_pace_carried(&client->pace, client->sent.n, travel, (double)(now - client->last_ack) * SECOND);
+    const double since = (double)(now - client->last_ack) * SECOND;
+    const bool faster = vvi_pace_carried(&client->pace, client->sent.n, travel, since);
     if (client->sent.reduced && !client->moving && vvi_pace_carries(&client->pace, client->sent.whole)) {
         client->wants_whole = true;
         vvi_client_want(client, false, now);
-    } else if (client->broke) {
+    } else if (client->broke || (faster && client->sent.reduced && !client->moving)) {
         vvi_client_want(client, false, now);
     }
     client->broke = false;

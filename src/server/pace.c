@@ -43,38 +43,41 @@ static void note_rate(vvi_pace *pace, double rate)
     pace->rate[0] = rate;
 }
 
-/* Small frames one behind the other tell that the line is faster than was known, which is how a line that was slow, and
- * so gets none but small ones, is found to be mended. A single one does not: lines that carry little a second still
- * carry the first bytes at once. */
-static void note_small(vvi_pace *pace, size_t bytes, double since)
+/* Small frames tell that the line is faster than was known, which is how a line that was slow, and so gets none but
+ * small ones, is found to be mended: many one behind the other how fast it is, and one that half a second of it would
+ * have carried that it may be twice as fast. Less tells nothing: a thin line too carries the first bytes at once. */
+static bool note_small(vvi_pace *pace, size_t bytes, double travel, double since)
 {
-    if (!(since > 0 && since < PAUSE)) {
+    const double known = rate_of(pace), alone = (double)bytes / travel;
+    const bool is_run = since > 0 && since < PAUSE;
+    double least = 0;
+    pace->run_bytes = is_run ? pace->run_bytes + (double)bytes : 0;
+    pace->run_seconds = is_run ? pace->run_seconds + since : 0;
+    if (pace->run_bytes >= RUN) {
+        least = pace->run_bytes / pace->run_seconds;
         pace->run_bytes = pace->run_seconds = 0;
-        return;
     }
-    pace->run_bytes += (double)bytes;
-    pace->run_seconds += since;
-    if (pace->run_bytes < RUN)
-        return;
-    const double least = pace->run_bytes / pace->run_seconds, known = rate_of(pace);
-    if (known > 0 && least > known)
-        note_rate(pace, least);
-    pace->run_bytes = pace->run_seconds = 0;
+    if ((double)bytes >= 0.5 * known && alone > known)
+        least = fmax(least, fmin(alone, 2 * known));
+    if (!(known > 0 && least > known))
+        return false;
+    note_rate(pace, least);
+    return true;
 }
 
 /* What a small frame takes too is the page's time and the way, whatever the bytes: at most half of it, since a small
  * one may have waited behind texts. */
-void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel, double since)
+bool vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel, double since)
 {
     if (!(travel > 0))
-        return;
+        return false;
     if (bytes < TELLING) {
         pace->small = pace->small > 0 && travel > pace->small ? blend(pace->small, travel) : travel;
-        note_small(pace, bytes, since);
-        return;
+        return note_small(pace, bytes, travel, since);
     }
     pace->run_bytes = pace->run_seconds = 0;
     note_rate(pace, (double)bytes / fmax(travel - pace->small, 0.5 * travel));
+    return false;
 }
 
 size_t vvi_pace_room(const vvi_pace *pace)

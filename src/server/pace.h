@@ -25,8 +25,10 @@ typedef struct vvi_pace {
 void vvi_pace_init(vvi_pace *pace, double target);
 /** A frame of so many pixels took `work` seconds to be made and `travel` seconds until the page had it. */
 void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel);
-/** A frame of so many bytes took `travel` seconds until the page had it, `since` seconds after the one before it. */
-void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel, double since);
+/** A frame of so many bytes took `travel` seconds until the page had it, `since` seconds after the one before it.
+ * Whether it was a small one that showed the line to be faster than was known: what was made for that is worth making
+ * again. */
+bool vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel, double since);
 /** Bytes that a picture at rest may have: what the line carries in five seconds. SIZE_MAX: it is not known. One hiccup
  * of the page is no thin line: the better of two frames counts. */
 size_t vvi_pace_room(const vvi_pace *pace);

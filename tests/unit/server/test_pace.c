@@ -157,15 +157,30 @@ static void a_line_that_is_mended_is_found_so_by_small_pictures(void **state)
     (void)state;
     vvi_pace pace;
     vvi_pace_init(&pace, 0.033);
-    vvi_pace_carried(&pace, 32000, 16, 16);
-    assert_true(vvi_pace_room(&pace) < 16000);
+    vvi_pace_carried(&pace, 128000, 16, 16);
+    assert_true(vvi_pace_room(&pace) < 40001);
     for (int i = 0; i < 10; i++) {
         vvi_pace_carried(&pace, 10000, 6, 6); /* no faster */
-        assert_true(vvi_pace_room(&pace) < 16000);
+        assert_true(vvi_pace_room(&pace) < 40001);
     }
-    for (int i = 0; i < 4; i++)
-        vvi_pace_carried(&pace, 10000, 0.01, 0.05);
-    assert_in_range(vvi_pace_room(&pace), 990000, 1010000);
+    for (int i = 0; i < 11; i++) /* less than a second of the line, each, but one behind the other */
+        assert_true(vvi_pace_carried(&pace, 3000, 0.01, 0.05) == (i == 10));
+    assert_in_range(vvi_pace_room(&pace), 290000, 310000);
+}
+
+/* At rest there is one: the line may be twice as fast, which the next, of twice the bytes, shows. */
+static void a_picture_alone_shows_that_a_line_may_be_twice_as_fast(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_carried(&pace, 100000, 10, 10);
+    assert_false(vvi_pace_carried(&pace, 4000, 0.01, 60)); /* the first bytes come at once in any case */
+    assert_false(vvi_pace_carried(&pace, 9000, 0.9, 60));
+    assert_true(vvi_pace_carried(&pace, 9000, 0.01, 60));
+    assert_in_range(vvi_pace_room(&pace), 99990, 100010);
+    assert_true(vvi_pace_carried(&pace, 15000, 0.01, 0.1));
+    assert_in_range(vvi_pace_room(&pace), 199990, 200010);
 }
 
 /* 10 kB a second, and 10 kB at once after a pause, as lines are that are shared. */
@@ -219,6 +234,7 @@ int main(void)
         cmocka_unit_test(who_reads_ten_kilobytes_a_second_is_slow_but_there),
         cmocka_unit_test(a_picture_at_rest_has_what_a_thin_line_carries_soon),
         cmocka_unit_test(a_line_that_is_mended_is_found_so_by_small_pictures),
+        cmocka_unit_test(a_picture_alone_shows_that_a_line_may_be_twice_as_fast),
         cmocka_unit_test(a_line_that_begins_fast_is_not_taken_for_a_fast_one),
         cmocka_unit_test(a_page_that_has_much_to_do_is_no_thin_line),
     };
