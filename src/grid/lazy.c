@@ -171,24 +171,6 @@ static vv_status make_slab(slab **out, const lazy *s, int64_t k, vv_job *job)
     return VV_OK;
 }
 
-/* A brick of a slab holds the slab. */
-typedef struct held {
-    vvi_brick_owner head;
-    vv_field *field;
-    atomic_bool *damaged; /* of the lazy store, where the field is a slab of it */
-    vv_brick brick;
-} held;
-
-static void release_held(vvi_brick_owner *owner)
-{
-    held *h = (held *)owner;
-    vv_brick_release(&h->brick);
-    if (h->damaged && h->field && vvi_field_is_damaged(h->field))
-        atomic_store(h->damaged, true);
-    vv_field_release(h->field);
-    vvi_free(h);
-}
-
 /* The slab that has slice k, to be released. */
 static vv_status get_slab(vv_field **out, vv_box *box_out, const lazy *s, int64_t k, vv_job *job)
 {
@@ -207,36 +189,18 @@ static vv_status get_slab(vv_field **out, vv_box *box_out, const lazy *s, int64_
     return st;
 }
 
-/* A part of what is held, which goes with it; where that failed (st), nothing is held. */
-static vv_status lend(vv_brick *out, held *h, const vv_box *part, vv_status st, vv_job *job)
-{
-    if (st == VV_OK)
-        st = vv_field_brick(&h->brick, h->field, part, job);
-    if (st != VV_OK) {
-        release_held(&h->head);
-        return st;
-    }
-    out->data = h->brick.data;
-    memcpy(out->stride, h->brick.stride, sizeof out->stride);
-    out->guard_bytes = h->brick.guard_bytes;
-    out->owner = &h->head;
-    return VV_OK;
-}
-
 /* Of the box's slices from k on those that are in one slab, *n_out of them: its own samples. */
 static vv_status brick_of_slab(vv_brick *out, int64_t *n_out, lazy *s, const vv_box *box, int64_t k, vv_job *job)
 {
-    vv_box covers = {{0}, {0}}, part = *box;
-    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
-    if (!h)
-        return vv_fail_memory(sizeof *h);
-    h->head.release = release_held;
-    h->damaged = &s->damaged;
-    const vv_status st = get_slab(&h->field, &covers, s, k, job);
+    vv_box covers, part = *box;
+    vv_field *field;
+    const vv_status st = get_slab(&field, &covers, s, k, job);
+    if (st != VV_OK)
+        return st;
     const int64_t left = box->lo[2] + box->n[2] - k, there = covers.lo[2] + covers.n[2] - k;
     *n_out = part.n[2] = left < there ? left : there;
     part.lo[2] = k - covers.lo[2];
-    return lend(out, h, &part, st, job);
+    return vvi_field_lend(out, field, &part, &s->damaged, job);
 }
 
 /* Slices of the box from `first` on that are in one slab, to where they belong. */
@@ -258,18 +222,18 @@ static vv_status copy_part(char *to, int64_t *n_out, lazy *s, const vv_box *box,
 static vv_status brick_of_slabs(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
 {
     vv_field_info info = s->info;
-    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
+    vv_field *field = NULL;
     void *data;
-    if (!h)
-        return vv_fail_memory(sizeof *h);
-    h->head.release = release_held;
     info.grid = vv_grid_crop(&s->info.grid, box);
-    vv_status st = vv_field_new_empty(&h->field, &data, &info, job);
+    vv_status st = vv_field_new_empty(&field, &data, &info, job);
     const int64_t end = box->lo[2] + box->n[2];
     const size_t slice = (size_t)(box->n[0] * box->n[1]) * vv_type_bytes(info.type) * (size_t)info.components;
     for (int64_t k = box->lo[2], n = 0; k < end && st == VV_OK; k += n)
         st = copy_part((char *)data + (size_t)(k - box->lo[2]) * slice, &n, s, box, k, job);
-    return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
+    if (st == VV_OK)
+        return vvi_field_lend(out, field, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, NULL, job);
+    vv_field_release(field);
+    return st;
 }
 
 static bool is_in_a_slab(lazy *s, const vv_box *box)
@@ -284,15 +248,13 @@ static bool is_in_a_slab(lazy *s, const vv_box *box)
 /* Made for whoever asks, and not kept. */
 static vv_status brick_of_box(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
 {
-    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
-    if (!h)
-        return vv_fail_memory(sizeof *h);
-    h->head.release = release_held;
-    h->damaged = &s->damaged;
+    vv_field *field;
     pthread_mutex_lock(&s->pool->lock);
-    const vv_status st = make(&h->field, s, box, job);
+    const vv_status st = make(&field, s, box, job);
     pthread_mutex_unlock(&s->pool->lock);
-    return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
+    if (st != VV_OK)
+        return st;
+    return vvi_field_lend(out, field, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, &s->damaged, job);
 }
 
 static bool is_small(const lazy *s, const vv_box *box)

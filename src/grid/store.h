@@ -48,6 +48,9 @@ vvi_sample_store *vvi_field_store(const vv_field *field);
 bool vvi_field_is_lazy(const vv_field *field);
 /** What bricks of it wait for is done now, in passes over all that it is made of: for whoever holds no memory yet. */
 vv_status vvi_field_prepare(const vv_field *field, vv_job *job);
+/** A part of a field as a store's brick, which keeps the field until it goes. Takes the reference over also when it
+ * fails. *damaged is set then where samples of the field were lost; NULL: nobody asks. */
+vv_status vvi_field_lend(vv_brick *out, vv_field *field, const vv_box *part, atomic_bool *damaged, vv_job *job);
 /** vv_field_health() without a sentence. */
 bool vvi_field_is_damaged(const vv_field *field);
 #endif

@@ -140,20 +140,6 @@ static vv_status prepare(vvi_sample_store *store, vv_job *job)
 
 /* Reading ---------------------------------------------------------------------------------------------------------- */
 
-typedef struct held {
-    vvi_brick_owner head;
-    vv_field *field;
-    vv_brick brick;
-} held;
-
-static void release_held(vvi_brick_owner *owner)
-{
-    held *h = (held *)owner;
-    vv_brick_release(&h->brick);
-    vv_field_release(h->field);
-    vvi_free(h);
-}
-
 /* Rows that lie behind each other in the file as well as in the box are read at once. */
 static vv_status get_box(char *to, const spooled *s, const vv_box *box, vv_job *job)
 {
@@ -187,26 +173,16 @@ static vv_status get_filled(char *to, const spooled *s, const vv_box *box, vv_jo
 static vv_status spooled_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
 {
     const spooled *s = (const spooled *)store;
-    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
     vv_field_info info = s->info;
+    vv_field *field = NULL;
     void *data;
-    if (!h)
-        return vv_fail_memory(sizeof *h);
-    h->head.release = release_held;
     info.grid = vv_grid_crop(&info.grid, box);
     vv_status st = prepare((vvi_sample_store *)(uintptr_t)store, job);
-    if (st == VV_OK && (st = vv_field_new_empty(&h->field, &data, &info, job)) == VV_OK &&
+    if (st == VV_OK && (st = vv_field_new_empty(&field, &data, &info, job)) == VV_OK &&
         (st = get_filled(data, s, box, job)) == VV_OK)
-        st = vv_field_brick(&h->brick, h->field, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, job);
-    if (st != VV_OK) {
-        release_held(&h->head);
-        return st;
-    }
-    out->data = h->brick.data;
-    memcpy(out->stride, h->brick.stride, sizeof out->stride);
-    out->guard_bytes = h->brick.guard_bytes;
-    out->owner = &h->head;
-    return VV_OK;
+        return vvi_field_lend(out, field, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, NULL, job);
+    vv_field_release(field);
+    return st;
 }
 
 /* The field ------------------------------------------------------------------------------------------------------- */
