@@ -26,7 +26,7 @@ def test_what_a_dry_run_says_is_what_is_held():
         head = f"NRRD0005\ntype: {kind}\ndimension: 3\nsizes: {n} {n} {n}\nendian: little\nspace: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: gzip\n\n"
         with open(f"{name}.nrrd", "wb") as file:
             file.write(head.encode() + gzip.compress(data.tobytes(), 1, mtime=0))
-    least = run_alone("components", "tiny.nrrd", "-o", "o.nrrd")[2]
+    least = min(run_alone("components", "tiny.nrrd", "-o", "o.nrrd", "--overwrite")[2] for _ in range(3))  # pages of libraries come and go
     for words in (["components", "l.nrrd"], ["components", "v.nrrd", "--range", "60.."], ["fill-holes", "l.nrrd"], ["grow", "v.nrrd", "--seed", "64,64,64", "--range", "40.."],
                   ["distance", "l.nrrd"], ["distance", "l.nrrd", "--side", "both"], ["watershed", "v.nrrd", "--depth", "20"], ["skeleton", "l.nrrd"],
                   ["bias", "v.nrrd", "--iterations", "1"], ["diffuse", "v.nrrd", "--method", "coherence", "--iterations", "1"]):
