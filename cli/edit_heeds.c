@@ -189,17 +189,30 @@ static vv_status check(cli_edits *edits, const vv_world *world, const char *meth
     return st;
 }
 
-vv_status cli_edit_check_params(cli_edits *edits, const char *method)
+enum { PARAM_USES = 6 };
+
+static void list_params(use out[PARAM_USES], const cli_look *o)
 {
-    const cli_look *o = edits->look;
-    const use uses[] = {
+    const use uses[PARAM_USES] = {
         {.option = "mode", .given = o->mode, .param = "mode"},
         {.option = "iso", .given = o->iso, .param = "iso"},
         {.option = "step", .given = o->step, .param = "step"},
+        {.option = "lighting", .given = o->lighting, .param = "lighting"},
+        {.option = "shadows", .given = o->shadows ? "" : NULL, .param = "shadows"},
+        {.option = "ambient-occlusion", .given = o->ambient_occlusion ? "" : NULL, .param = "ambient_occlusion"},
     };
-    vv_world *world = vv_model_snapshot(edits->model);
-    const vv_status st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
-    vv_object_release(&world->base);
+    memcpy(out, uses, sizeof uses);
+}
+
+vv_status cli_edit_check_params(cli_edits *edits, const char *method)
+{
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    use uses[PARAM_USES];
+    vv_status st = VV_OK;
+    list_params(uses, edits->look);
+    for (size_t i = 0; renderer && i < PARAM_USES && st == VV_OK; i++)
+        if (uses[i].given && !(renderer->params && vv_class_find(renderer->params, uses[i].param)))
+            st = refuse(&uses[i], edits, renderer, NULL);
     return st;
 }
 
@@ -234,14 +247,20 @@ static bool makes_one_picture(const cli_command *command)
     return true;
 }
 
-vv_status cli_edit_check_aspects(cli_edits *edits)
+/* Parameters of methods by the mode, which a volume may have of its own. */
+static vv_status check_modes(cli_edits *edits, const vv_world *world)
+{
+    char method[64];
+    use uses[PARAM_USES];
+    list_params(uses, edits->look);
+    cli_edit_method_of(method, edits);
+    return check(edits, world, method, uses, PARAM_USES);
+}
+
+static vv_status check_aspects(cli_edits *edits, const vv_world *world)
 {
     const cli_look *o = edits->look;
     char method[64];
-    vv_status st;
-    if (!makes_one_picture(edits->command))
-        return VV_OK;
-    vv_world *world = vv_model_snapshot(edits->model);
     const vv_view *view = vvi_view_named(world, edits->view);
     const vv_decorations *drawn = view ? (const vv_decorations *)(const void *)view->decorations : NULL;
     const bool meshes = shows_meshes(world, edits->command->job);
@@ -254,9 +273,6 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
         {.option = "color", .given = meshes ? NULL : o->color, .aspect = VV_ASPECT_COLOR},
         {.option = "threshold", .given = o->threshold, .aspect = VV_ASPECT_THRESHOLD},
         {.option = "no-shading", .given = o->no_shading ? "" : NULL, .aspect = VV_ASPECT_SHADING},
-        {.option = "lighting", .given = o->lighting, .param = "lighting"},
-        {.option = "shadows", .given = o->shadows ? "" : NULL, .param = "shadows"},
-        {.option = "ambient-occlusion", .given = o->ambient_occlusion ? "" : NULL, .param = "ambient_occlusion"},
         {.option = "clip", .given = cli_word_nth(o->clip, 0), .aspect = VV_ASPECT_CUTS},
         {.option = "window", .given = o->window, .aspect = VV_ASPECT_WINDOW},
         {.option = "cross-hair",
@@ -268,7 +284,7 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
         {.option = "fov", .given = o->fov, .aspect = VV_ASPECT_DIRECTION},
     };
     cli_edit_method_of(method, edits);
-    st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    vv_status st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
     if (st == VV_OK && o->iso && o->threshold)
         st = cli_refused(edits->command, "iso,threshold",
                          vv_fail(VV_E_ARGUMENT,
@@ -279,8 +295,15 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
                          vv_fail(VV_E_ARGUMENT,
                                  "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
                                  "so give --iso or --threshold too"));
-    if (st == VV_OK)
-        st = cli_edit_check_contents(edits, world);
+    return st == VV_OK ? cli_edit_check_contents(edits, world) : st;
+}
+
+vv_status cli_edit_check_aspects(cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_status st = check_modes(edits, world);
+    if (st == VV_OK && makes_one_picture(edits->command))
+        st = check_aspects(edits, world);
     vv_object_release(&world->base);
     return st;
 }

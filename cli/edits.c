@@ -13,7 +13,7 @@
 
 static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
-     .automatic = "raycast; surface for meshes alone; or what the scene says",
+     .automatic = "raycast; surface for meshes alone without shadows; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
     {VV_PROP(cli_look, apply), .kind = VV_KIND_STRING, .unit = "CHAIN", .automatic = "nothing: the data as they are",
      .doc = "operations on the data of the first input before they are shown, as in 'gaussian --sigma 1mm | threshold "

@@ -67,6 +67,8 @@ void vvi_shape_finish(vv_mesh_actor *shape);
  * enough. */
 void vvi_resolve_sampling(vv_scene *scene);
 
+/** What the World's visible volumes are: bits of vv_content. */
+unsigned vvi_contents_of(const vv_world *world, vv_job *job);
 /** The method of a view: what was chosen, else what can show the World's visible volumes. */
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job);
 

@@ -389,6 +389,16 @@ def test_rays_of_meshes_and_of_methods_without_rays_are_noted():
          "volumes.ball.rays.mode does nothing", "is a mesh")
 
 
+def test_shadows_of_meshes_alone_choose_the_method_that_has_them():
+    write_ply("ball.ply", *sphere(5, 20))
+    small = ["--size", "40x40", "-o", "a.png", "--overwrite", "--json"]
+    assert ok("render", "ball.ply", *small).json["method"] == "surface"
+    for words in (["--lighting", "cinematic"], ["--shadows"], ["--ambient-occlusion"]):
+        assert ok("render", "ball.ply", *words, *small).json["method"] == "raycast", words
+        said = fails(2, "render", "ball.ply", *words, "--method", "surface", *small)
+        says(said, f"{words[0]} does nothing with method surface", "composite and isosurface of method raycast")
+
+
 def rasterised(path, size):
     """What another program makes of a figure."""
     if not shutil.which("rsvg-convert"):
