@@ -224,18 +224,30 @@ static bool shows_meshes(const vv_world *world, vv_job *job)
     return false;
 }
 
-/* Whether rays show nothing but clouds. */
+/* Whether rays show it as a cloud. */
+static bool is_cloud(const vv_volume *volume, const vv_renderer *renderer, const vv_object *params)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    vv_object *own = NULL;
+    if (segmentation->kind == VV_SEGMENT_THRESHOLD || vvi_volume_params(&own, params, volume) != VV_OK)
+        return false;
+    const char *mode = mode_of(renderer, own);
+    const bool cloud = mode && strcmp(mode, "composite") == 0;
+    vv_object_release(own);
+    return cloud;
+}
+
+/* Whether what is seen is nothing but clouds. */
 static bool shows_clouds(const vv_world *world, const cli_edits *edits, const char *method)
 {
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
-    const char *mode = renderer ? mode_of(renderer, params_of(world, edits->view, method)) : NULL;
-    for (size_t i = 0; i < world->volumes->n; i++) {
+    const vv_object *params = params_of(world, edits->view, method);
+    bool clouds = renderer != NULL;
+    for (size_t i = 0; i < world->volumes->n && clouds; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
-        const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
-        if (segmentation->kind == VV_SEGMENT_THRESHOLD)
-            return false;
+        clouds = !volume->visible || is_cloud(volume, renderer, params);
     }
-    return mode && strcmp(mode, "composite") == 0;
+    return clouds;
 }
 
 /* Verbs that open the page show a World in all ways. */

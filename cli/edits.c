@@ -352,9 +352,9 @@ vv_status cli_edit_paths(cli_edits *edits)
 vv_status cli_edits_apply(cli_edits *edits)
 {
     typedef vv_status step(cli_edits * edits);
-    static step *const steps[] = {cli_edit_view,     cli_edit_method,        cli_edit_switches, edit_ones,
-                                  cli_edit_channels, edit_shading,           cli_edit_transfer, cli_edit_colors,
-                                  cli_edit_clip,     cli_edit_check_aspects, cli_edit_paths,    cli_edit_tell_rays};
+    static step *const steps[] = {cli_edit_view,     cli_edit_method, cli_edit_switches,      edit_ones,
+                                  cli_edit_channels, edit_shading,    cli_edit_transfer,      cli_edit_colors,
+                                  cli_edit_clip,     cli_edit_paths,  cli_edit_check_aspects, cli_edit_tell_rays};
     vv_status st = VV_OK;
     for (size_t i = 0; i < sizeof steps / sizeof *steps && st == VV_OK; i++)
         st = steps[i](edits);

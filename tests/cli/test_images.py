@@ -197,6 +197,17 @@ def test_volumes_have_modes_of_their_own():
     assert "does nothing" not in told, told
     told = ok("render", "ct.nrrd", "--method", "surface", "--size", "64", "-o", "s.png", "--set", "volumes.ct.rays.step=1vox").message
     says(told, "volumes.ct.rays.step does nothing", "surface casts no rays", "--method raycast")
+    of_pet = ("--set", "volumes.pet.rays.mode=isosurface", "--set", "volumes.pet.rays.iso=90")
+    colored = {}
+    for by, words in (("volume", of_pet), ("view", ("--set", "views.main.render.raycast.mode=isosurface")), ("option", ("--mode", "isosurface"))):
+        ok(*look[:3], *look[-5:], *words, "-o", "beige.png")
+        ok(*look[:3], *look[-5:], *words, "--color", "pet=lightblue", "-o", "blue.png")
+        colored[by] = png_pixels("blue.png")
+        assert colored[by] != png_pixels("beige.png"), by
+    assert colored["view"] == colored["option"] != colored["volume"]
+    says(fails(2, *look[:3], "-o", "b.png", "--color", "pet=lightblue"), "--color does nothing to clouds")
+    says(fails(2, *look[:3], "-o", "b.png", "--mode", "isosurface", "--iso", "70", "--set", "views.main.render.raycast.mode=maximum"),
+         "--iso does nothing in mode maximum")
     says(fails(2, "render", "ct.nrrd", "pet.nrrd", "-o", "b.png", "--iso", "pet=90"), "--iso takes one value", "volumes.pet.rays.mode=isosurface",
          "volumes.pet.rays.iso=90")
 
