@@ -320,31 +320,58 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     return st;
 }
 
-/* What a volume's own `rays` ask for that this picture cannot do. */
+static const char *const of_rays[] = {"mode", "iso", "threshold", "step", "blend", "opacity"};
+enum { RAYS = sizeof of_rays / sizeof *of_rays };
+
+/* Of the first that is set of a volume that no rays can show so. */
+static void note_all_rays(cli_edits *edits, const char *id, const vv_volume *volume, const char *method, bool mesh)
+{
+    size_t k = 0;
+    while (k < RAYS && !vv_object_is_set(volume->rays, of_rays[k]))
+        k++;
+    if (k < RAYS && mesh)
+        cli_command_note(edits->command,
+                         "volumes.%s.rays.%s does nothing: '%s' is a mesh, which is a surface for all rays; its own "
+                         "look is volumes.%s.opacity, color and shading",
+                         id, of_rays[k], id, id);
+    else if (k < RAYS)
+        cli_command_note(edits->command,
+                         "volumes.%s.rays.%s does nothing: method %s casts no rays; --method raycast does", id,
+                         of_rays[k], method);
+}
+
+/* Of each that the mode of its rays has no use for. */
+static void note_idle_rays(cli_edits *edits, const char *id, const vv_volume *volume, const vv_renderer *renderer,
+                           const vv_object *params)
+{
+    vv_object *own = NULL;
+    if (vvi_volume_params(&own, params, volume) != VV_OK)
+        return;
+    const char *mode = mode_of(renderer, own);
+    const bool layer = vvi_renderer_projects(renderer, own) != VV_PROJECTS_NOTHING;
+    for (size_t k = 0; k < RAYS && mode; k++) {
+        const vv_property *row = vv_class_find(renderer->params, of_rays[k]);
+        if (vv_object_is_set(volume->rays, of_rays[k]) && !(row ? vvi_property_acts_with(row, mode) : layer))
+            cli_command_note(edits->command, "volumes.%s.rays.%s does nothing in mode %s: it is of %s", id, of_rays[k],
+                             mode, row ? row->when : "modes that show one value of each ray");
+    }
+    vv_object_release(own);
+}
+
+/* What volumes' own `rays` ask for that this picture cannot do. */
 static void note_rays(cli_edits *edits, const vv_world *world, const char *method)
 {
-    static const char *const names[] = {"mode", "iso", "threshold", "step", "blend", "opacity"};
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
-    const bool casts = renderer && renderer->params && vv_class_find(renderer->params, "mode");
+    const vv_object *params = params_of(world, edits->view, method);
+    const bool casts = renderer && renderer->params && params && vv_class_find(renderer->params, "mode");
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
         const char *id = world->volumes->entry[i].id;
-        const vv_dataset *dataset = vvi_dataset_named(world, volume->data);
-        const bool mesh = dataset && vv_dataset_is_mesh(dataset, edits->command->job);
-        for (size_t k = 0; k < sizeof names / sizeof *names && volume->visible && (mesh || !casts); k++) {
-            if (!vv_object_is_set(volume->rays, names[k]))
-                continue;
-            if (mesh)
-                cli_command_note(edits->command,
-                                 "volumes.%s.rays.%s does nothing: '%s' is a mesh, which is a surface for all rays; "
-                                 "its own look is volumes.%s.opacity, color and shading",
-                                 id, names[k], id, id);
-            else
-                cli_command_note(edits->command,
-                                 "volumes.%s.rays.%s does nothing: method %s casts no rays; --method raycast does", id,
-                                 names[k], method);
-            break;
-        }
+        const bool mesh = volume->visible && vvi_volume_is_mesh(world, volume, edits->command->job);
+        if (volume->visible && casts && !mesh)
+            note_idle_rays(edits, id, volume, renderer, params);
+        else if (volume->visible)
+            note_all_rays(edits, id, volume, method, mesh);
     }
 }
 

@@ -109,6 +109,8 @@ vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job 
 /** How slices show an actor. */
 void vvi_resolve_slices(vv_scene *scene, size_t actor);
 
+/** Whether a volume asks for a texture. */
+bool vvi_has_texture(const vv_volume *volume);
 /** The texture of a volume whose field is loaded and placed. */
 vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);
 
