@@ -189,17 +189,30 @@ static vv_status check(cli_edits *edits, const vv_world *world, const char *meth
     return st;
 }
 
-vv_status cli_edit_check_params(cli_edits *edits, const char *method)
+enum { PARAM_USES = 6 };
+
+static void list_params(use out[PARAM_USES], const cli_look *o)
 {
-    const cli_look *o = edits->look;
-    const use uses[] = {
+    const use uses[PARAM_USES] = {
         {.option = "mode", .given = o->mode, .param = "mode"},
         {.option = "iso", .given = o->iso, .param = "iso"},
         {.option = "step", .given = o->step, .param = "step"},
+        {.option = "lighting", .given = o->lighting, .param = "lighting"},
+        {.option = "shadows", .given = o->shadows ? "" : NULL, .param = "shadows"},
+        {.option = "ambient-occlusion", .given = o->ambient_occlusion ? "" : NULL, .param = "ambient_occlusion"},
     };
-    vv_world *world = vv_model_snapshot(edits->model);
-    const vv_status st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
-    vv_object_release(&world->base);
+    memcpy(out, uses, sizeof uses);
+}
+
+vv_status cli_edit_check_params(cli_edits *edits, const char *method)
+{
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    use uses[PARAM_USES];
+    vv_status st = VV_OK;
+    list_params(uses, edits->look);
+    for (size_t i = 0; renderer && i < PARAM_USES && st == VV_OK; i++)
+        if (uses[i].given && !(renderer->params && vv_class_find(renderer->params, uses[i].param)))
+            st = refuse(&uses[i], edits, renderer, NULL);
     return st;
 }
 
@@ -211,18 +224,30 @@ static bool shows_meshes(const vv_world *world, vv_job *job)
     return false;
 }
 
-/* Whether rays show nothing but clouds. */
+/* Whether rays show it as a cloud. */
+static bool is_cloud(const vv_volume *volume, const vv_renderer *renderer, const vv_object *params)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    vv_object *own = NULL;
+    if (segmentation->kind == VV_SEGMENT_THRESHOLD || vvi_volume_params(&own, params, volume) != VV_OK)
+        return false;
+    const char *mode = mode_of(renderer, own);
+    const bool cloud = mode && strcmp(mode, "composite") == 0;
+    vv_object_release(own);
+    return cloud;
+}
+
+/* Whether what is seen is nothing but clouds. */
 static bool shows_clouds(const vv_world *world, const cli_edits *edits, const char *method)
 {
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
-    const char *mode = renderer ? mode_of(renderer, params_of(world, edits->view, method)) : NULL;
-    for (size_t i = 0; i < world->volumes->n; i++) {
+    const vv_object *params = params_of(world, edits->view, method);
+    bool clouds = renderer != NULL;
+    for (size_t i = 0; i < world->volumes->n && clouds; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
-        const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
-        if (segmentation->kind == VV_SEGMENT_THRESHOLD)
-            return false;
+        clouds = !volume->visible || is_cloud(volume, renderer, params);
     }
-    return mode && strcmp(mode, "composite") == 0;
+    return clouds;
 }
 
 /* Verbs that open the page show a World in all ways. */
@@ -234,14 +259,20 @@ static bool makes_one_picture(const cli_command *command)
     return true;
 }
 
-vv_status cli_edit_check_aspects(cli_edits *edits)
+/* Parameters of methods by the mode, which a volume may have of its own. */
+static vv_status check_modes(cli_edits *edits, const vv_world *world)
+{
+    char method[64];
+    use uses[PARAM_USES];
+    list_params(uses, edits->look);
+    cli_edit_method_of(method, edits);
+    return check(edits, world, method, uses, PARAM_USES);
+}
+
+static vv_status check_aspects(cli_edits *edits, const vv_world *world)
 {
     const cli_look *o = edits->look;
     char method[64];
-    vv_status st;
-    if (!makes_one_picture(edits->command))
-        return VV_OK;
-    vv_world *world = vv_model_snapshot(edits->model);
     const vv_view *view = vvi_view_named(world, edits->view);
     const vv_decorations *drawn = view ? (const vv_decorations *)(const void *)view->decorations : NULL;
     const bool meshes = shows_meshes(world, edits->command->job);
@@ -254,9 +285,6 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
         {.option = "color", .given = meshes ? NULL : o->color, .aspect = VV_ASPECT_COLOR},
         {.option = "threshold", .given = o->threshold, .aspect = VV_ASPECT_THRESHOLD},
         {.option = "no-shading", .given = o->no_shading ? "" : NULL, .aspect = VV_ASPECT_SHADING},
-        {.option = "lighting", .given = o->lighting, .param = "lighting"},
-        {.option = "shadows", .given = o->shadows ? "" : NULL, .param = "shadows"},
-        {.option = "ambient-occlusion", .given = o->ambient_occlusion ? "" : NULL, .param = "ambient_occlusion"},
         {.option = "clip", .given = cli_word_nth(o->clip, 0), .aspect = VV_ASPECT_CUTS},
         {.option = "window", .given = o->window, .aspect = VV_ASPECT_WINDOW},
         {.option = "cross-hair",
@@ -268,7 +296,7 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
         {.option = "fov", .given = o->fov, .aspect = VV_ASPECT_DIRECTION},
     };
     cli_edit_method_of(method, edits);
-    st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    vv_status st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
     if (st == VV_OK && o->iso && o->threshold)
         st = cli_refused(edits->command, "iso,threshold",
                          vv_fail(VV_E_ARGUMENT,
@@ -279,37 +307,71 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
                          vv_fail(VV_E_ARGUMENT,
                                  "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
                                  "so give --iso or --threshold too"));
-    if (st == VV_OK)
-        st = cli_edit_check_contents(edits, world);
+    return st == VV_OK ? cli_edit_check_contents(edits, world) : st;
+}
+
+vv_status cli_edit_check_aspects(cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_status st = check_modes(edits, world);
+    if (st == VV_OK && makes_one_picture(edits->command))
+        st = check_aspects(edits, world);
     vv_object_release(&world->base);
     return st;
 }
 
-/* What a volume's own `rays` ask for that this picture cannot do. */
+static const char *const of_rays[] = {"mode", "iso", "threshold", "step", "blend", "opacity"};
+enum { RAYS = sizeof of_rays / sizeof *of_rays };
+
+/* Of the first that is set of a volume that no rays can show so. */
+static void note_all_rays(cli_edits *edits, const char *id, const vv_volume *volume, const char *method, bool mesh)
+{
+    size_t k = 0;
+    while (k < RAYS && !vv_object_is_set(volume->rays, of_rays[k]))
+        k++;
+    if (k < RAYS && mesh)
+        cli_command_note(edits->command,
+                         "volumes.%s.rays.%s does nothing: '%s' is a mesh, which is a surface for all rays; its own "
+                         "look is volumes.%s.opacity, color and shading",
+                         id, of_rays[k], id, id);
+    else if (k < RAYS)
+        cli_command_note(edits->command,
+                         "volumes.%s.rays.%s does nothing: method %s casts no rays; --method raycast does", id,
+                         of_rays[k], method);
+}
+
+/* Of each that the mode of its rays has no use for. */
+static void note_idle_rays(cli_edits *edits, const char *id, const vv_volume *volume, const vv_renderer *renderer,
+                           const vv_object *params)
+{
+    vv_object *own = NULL;
+    if (vvi_volume_params(&own, params, volume) != VV_OK)
+        return;
+    const char *mode = mode_of(renderer, own);
+    const bool layer = vvi_renderer_projects(renderer, own) != VV_PROJECTS_NOTHING;
+    for (size_t k = 0; k < RAYS && mode; k++) {
+        const vv_property *row = vv_class_find(renderer->params, of_rays[k]);
+        if (vv_object_is_set(volume->rays, of_rays[k]) && !(row ? vvi_property_acts_with(row, mode) : layer))
+            cli_command_note(edits->command, "volumes.%s.rays.%s does nothing in mode %s: it is of %s", id, of_rays[k],
+                             mode, row ? row->when : "modes that show one value of each ray");
+    }
+    vv_object_release(own);
+}
+
+/* What volumes' own `rays` ask for that this picture cannot do. */
 static void note_rays(cli_edits *edits, const vv_world *world, const char *method)
 {
-    static const char *const names[] = {"mode", "iso", "threshold", "step", "blend", "opacity"};
     const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
-    const bool casts = renderer && renderer->params && vv_class_find(renderer->params, "mode");
+    const vv_object *params = params_of(world, edits->view, method);
+    const bool casts = renderer && renderer->params && params && vv_class_find(renderer->params, "mode");
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
         const char *id = world->volumes->entry[i].id;
-        const vv_dataset *dataset = vvi_dataset_named(world, volume->data);
-        const bool mesh = dataset && vv_dataset_is_mesh(dataset, edits->command->job);
-        for (size_t k = 0; k < sizeof names / sizeof *names && volume->visible && (mesh || !casts); k++) {
-            if (!vv_object_is_set(volume->rays, names[k]))
-                continue;
-            if (mesh)
-                cli_command_note(edits->command,
-                                 "volumes.%s.rays.%s does nothing: '%s' is a mesh, which is a surface for all rays; "
-                                 "its own look is volumes.%s.opacity, color and shading",
-                                 id, names[k], id, id);
-            else
-                cli_command_note(edits->command,
-                                 "volumes.%s.rays.%s does nothing: method %s casts no rays; --method raycast does", id,
-                                 names[k], method);
-            break;
-        }
+        const bool mesh = volume->visible && vvi_volume_is_mesh(world, volume, edits->command->job);
+        if (volume->visible && casts && !mesh)
+            note_idle_rays(edits, id, volume, renderer, params);
+        else if (volume->visible)
+            note_all_rays(edits, id, volume, method, mesh);
     }
 }
 

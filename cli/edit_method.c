@@ -19,11 +19,10 @@ void cli_edit_method_of(char out[64], cli_edits *edits)
     vv_object_release(&world->base);
 }
 
-/* Methods that draw nothing but surfaces have no mode for it. */
-static bool has_modes(cli_edits *edits, const char *method)
+static bool has_param(cli_edits *edits, const char *method, const char *name)
 {
     const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
-    return row && row->params && vv_class_find(row->params, "mode");
+    return row && row->params && vv_class_find(row->params, name);
 }
 
 /* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
@@ -53,7 +52,7 @@ static bool is_set(cli_edits *edits, const char *method, const char *name)
 static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
 {
     const cli_look *o = edits->look;
-    const bool modes = has_modes(edits, o->method);
+    const bool modes = has_param(edits, o->method, "mode");
     const vv_renderer *row = vv_registry_renderer(edits->command->registry, o->method);
     char number[32];
     vv_status st = VV_OK;
@@ -94,6 +93,43 @@ static vv_status choose_method(cli_edits *edits)
                                    : st;
 }
 
+/* Of a view that names no method and whose own lacks what is asked for: the first that has it and shows what is seen.
+ */
+static vv_status choose_for(cli_edits *edits, const char *option, const char *param)
+{
+    char method[64];
+    const char *found = NULL;
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_view *view = vvi_view_named(world, edits->view);
+    const vv_render_choice *choice = view ? (const vv_render_choice *)(const void *)view->render : NULL;
+    cli_edit_method_of(method, edits);
+    if (choice && !choice->method && !has_param(edits, method, param)) {
+        const unsigned contents = vvi_contents_of(world, edits->command->job);
+        const vv_renderer *const *rows = edits->command->registry->renderers;
+        for (size_t i = 0; rows[i] && !found; i++)
+            if (has_param(edits, rows[i]->name, param) && (rows[i]->takes & contents) == contents)
+                found = rows[i]->name;
+    }
+    vv_object_release(&world->base);
+    return cli_edit_set(edits, option, found, "views.%s.render.method", edits->view);
+}
+
+/* Light that only some methods have. */
+static vv_status choose_for_light(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    const struct {
+        bool given;
+        const char *option, *param;
+    } lights[] = {{o->lighting != NULL, "lighting", "lighting"},
+                  {o->shadows, "shadows", "shadows"},
+                  {o->ambient_occlusion, "ambient-occlusion", "ambient_occlusion"}};
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < sizeof lights / sizeof *lights && st == VV_OK; i++)
+        st = lights[i].given ? choose_for(edits, lights[i].option, lights[i].param) : VV_OK;
+    return st;
+}
+
 /* --iso NAME=VALUE is how one would think that one volume of several has its own: the properties that do it. */
 static vv_status check_iso(cli_edits *edits)
 {
@@ -115,12 +151,14 @@ vv_status cli_edit_method(cli_edits *edits)
     vv_status st = check_iso(edits);
     if (st == VV_OK)
         st = choose_method(edits);
+    if (st == VV_OK)
+        st = choose_for_light(edits);
     if (st != VV_OK)
         return st;
     cli_edit_method_of(method, edits);
     const char *mode = o->mode ? o->mode : o->iso ? "isosurface" : NULL;
     const char *option = o->mode ? "mode" : "iso";
-    st = cli_edit_set(edits, option, has_modes(edits, method) ? mode : NULL, "views.%s.render.%s.mode", edits->view,
-                      method);
+    st = cli_edit_set(edits, option, has_param(edits, method, "mode") ? mode : NULL, "views.%s.render.%s.mode",
+                      edits->view, method);
     return st == VV_OK ? cli_edit_check_params(edits, method) : st;
 }

@@ -13,7 +13,7 @@
 
 static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
-     .automatic = "raycast; surface for meshes alone; or what the scene says",
+     .automatic = "raycast; surface for meshes alone without shadows; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
     {VV_PROP(cli_look, apply), .kind = VV_KIND_STRING, .unit = "CHAIN", .automatic = "nothing: the data as they are",
      .doc = "operations on the data of the first input before they are shown, as in 'gaussian --sigma 1mm | threshold "
@@ -352,9 +352,9 @@ vv_status cli_edit_paths(cli_edits *edits)
 vv_status cli_edits_apply(cli_edits *edits)
 {
     typedef vv_status step(cli_edits * edits);
-    static step *const steps[] = {cli_edit_view,     cli_edit_method,        cli_edit_switches, edit_ones,
-                                  cli_edit_channels, edit_shading,           cli_edit_transfer, cli_edit_colors,
-                                  cli_edit_clip,     cli_edit_check_aspects, cli_edit_paths,    cli_edit_tell_rays};
+    static step *const steps[] = {cli_edit_view,     cli_edit_method, cli_edit_switches,      edit_ones,
+                                  cli_edit_channels, edit_shading,    cli_edit_transfer,      cli_edit_colors,
+                                  cli_edit_clip,     cli_edit_paths,  cli_edit_check_aspects, cli_edit_tell_rays};
     vv_status st = VV_OK;
     for (size_t i = 0; i < sizeof steps / sizeof *steps && st == VV_OK; i++)
         st = steps[i](edits);

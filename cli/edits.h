@@ -79,9 +79,10 @@ vv_status cli_edit_colors(cli_edits *edits); /* --color, --opacity */
 vv_status cli_edit_method(cli_edits *edits); /* --method, --mode */
 /** The method that the view has now: its parameters are found under its name. */
 void cli_edit_method_of(char out[64], cli_edits *edits);
-/** Options that are parameters of methods: refused where the view's method, or its mode, has no use for them. */
+/** Options that are parameters of methods: refused where the view's method has none such. */
 vv_status cli_edit_check_params(cli_edits *edits, const char *method);
-/** The same of options about the World, where one picture is made of it. */
+/** Of the World as it is in the end: those are refused where the method's mode has no use for them; where one picture
+ * is made of it, so are options about the World. */
 vv_status cli_edit_check_aspects(cli_edits *edits);
 /** Notes what volumes' own `rays` ask for in vain: of meshes, or of a method that casts none. */
 vv_status cli_edit_tell_rays(cli_edits *edits);

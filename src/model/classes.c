@@ -224,7 +224,7 @@ static const vv_property segmentation[] = {
                   "RGB and RGBA unless a channel is named; else transfer",
      .doc = "which of the ways below decides what is seen"},
     {VV_PROP(vv_segmentation, threshold), .kind = VV_KIND_OBJECT, .cls = &vvi_threshold_class,
-     .doc = "values between two limits are solid"},
+     .doc = "values between two limits are solid; of RGB and RGBA luminance and alpha, 0 to 1, as for surfaces"},
     {VV_PROP(vv_segmentation, transfer), .kind = VV_KIND_OBJECT, .cls = &vvi_transfer_class,
      .doc = "opacity and colour by value"},
     {VV_PROP(vv_segmentation, labels), .kind = VV_KIND_OBJECT, .cls = &vvi_labels_class,

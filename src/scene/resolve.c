@@ -33,18 +33,22 @@ static vv_status find_view(vvi_resolved *r, const char *id)
                       views->entry[0].id);
 }
 
-const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
+unsigned vvi_contents_of(const vv_world *world, vv_job *job)
 {
-    const vv_render_choice *choice = (const vv_render_choice *)view->render;
     unsigned contents = 0;
-    if (choice->method)
-        return choice->method;
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = vvi_volume_nth(world, i);
         if (volume->visible)
             contents |= vvi_volume_is_mesh(world, volume, job) ? VV_CONTENT_MESHES : VV_CONTENT_SAMPLES;
     }
-    return vv_registry_renderer_for(vvi_job_registry(job), contents)->name;
+    return contents;
+}
+
+const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)view->render;
+    return choice->method ? choice->method
+                          : vv_registry_renderer_for(vvi_job_registry(job), vvi_contents_of(world, job))->name;
 }
 
 static vv_status find_renderer(vvi_resolved *r, vv_job *job)

@@ -67,6 +67,8 @@ void vvi_shape_finish(vv_mesh_actor *shape);
  * enough. */
 void vvi_resolve_sampling(vv_scene *scene);
 
+/** What the World's visible volumes are: bits of vv_content. */
+unsigned vvi_contents_of(const vv_world *world, vv_job *job);
 /** The method of a view: what was chosen, else what can show the World's visible volumes. */
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job);
 
@@ -107,6 +109,8 @@ vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job 
 /** How slices show an actor. */
 void vvi_resolve_slices(vv_scene *scene, size_t actor);
 
+/** Whether a volume asks for a texture. */
+bool vvi_has_texture(const vv_volume *volume);
 /** The texture of a volume whose field is loaded and placed. */
 vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);
 

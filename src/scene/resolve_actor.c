@@ -41,9 +41,10 @@ static vv_status take_colors(vv_actor *actor, const vv_volume *volume, const cha
     const vv_segmentation *s = (const vv_segmentation *)volume->segmentation;
     const vv_color_data *data = (const vv_color_data *)s->colors;
     const vv_field_info *info = vv_field_get_info(actor->field);
-    const bool asked = vv_object_is_set(&s->base, "kind");
-    const bool wanted = asked ? s->kind == VV_SEGMENT_COLORS : !vv_object_is_set(&volume->base, "component");
-    if (asked && wanted && !vvi_field_has_colors(info))
+    const bool asked = vv_object_is_set(&s->base, "kind"), colors = asked && s->kind == VV_SEGMENT_COLORS;
+    const bool solid = asked && s->kind == VV_SEGMENT_THRESHOLD; /* of the same values as surfaces have */
+    const bool wanted = colors || ((solid || !asked) && !vv_object_is_set(&volume->base, "component"));
+    if (colors && !vvi_field_has_colors(info))
         return fail_at(path, "segmentation.kind", VV_E_ARGUMENT,
                        "colors needs data whose samples are RGB or RGBA; these are not, take transfer");
     if (!wanted || !vvi_field_has_colors(info))

@@ -360,6 +360,10 @@ vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_
         (st = vvi_resolve_planes(look, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
     vvi_resolve_shading(look, world, volume);
+    if (vvi_has_texture(volume))
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "%s.texture is not drawn on meshes: it is of volumes of samples; meshes have the images of their files",
+                path);
     vvi_cast cast = {.world = world, .volume = volume, .actor = look, .path = path};
     if ((st = vvi_load_paint(&cast, &data_to_world, job)) != VV_OK)
         return st;

@@ -1,4 +1,5 @@
 /* The texture of a volume: its image, its colours, and where it stands. */
+#include "core/job.h"
 #include "model/placement.h"
 #include "scene/resolve.h"
 #include <math.h>
@@ -29,6 +30,11 @@ static int kind_of(const vv_volume_texture *t)
 {
     const bool has_image = t->image && *t->image;
     return vv_object_is_set(&t->base, "kind") ? t->kind : has_image ? VV_TEXTURE_IMAGE : VV_TEXTURE_NONE;
+}
+
+bool vvi_has_texture(const vv_volume *volume)
+{
+    return kind_of((const vv_volume_texture *)volume->texture) != VV_TEXTURE_NONE;
 }
 
 static vv_status load_image(vvi_cast *cast, const vv_volume_texture *t, vv_job *job)
@@ -91,6 +97,15 @@ static void find_colors(vv_texture *out, const vv_volume_texture *t)
     }
 }
 
+/* Where a pattern is chosen it is shown, whatever image is named. */
+static void tell_unused_image(const vvi_cast *cast, const vv_volume_texture *t, vv_job *job)
+{
+    if (t->kind != VV_TEXTURE_NONE && t->kind != VV_TEXTURE_IMAGE && t->image && *t->image)
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "%s.texture.image is not used: texture.kind chooses a pattern; leave it out, or image shows it",
+                cast->path);
+}
+
 vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job)
 {
     const vv_volume_texture *t = (const vv_volume_texture *)cast->volume->texture;
@@ -98,6 +113,7 @@ vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv
     out->kind = kind_of(t);
     if (out->kind == VV_TEXTURE_NONE)
         return VV_OK;
+    tell_unused_image(cast, t, job);
     out->mapping = t->mapping;
     out->wrap = t->wrap;
     out->apply = t->apply;

@@ -197,8 +197,48 @@ def test_volumes_have_modes_of_their_own():
     assert "does nothing" not in told, told
     told = ok("render", "ct.nrrd", "--method", "surface", "--size", "64", "-o", "s.png", "--set", "volumes.ct.rays.step=1vox").message
     says(told, "volumes.ct.rays.step does nothing", "surface casts no rays", "--method raycast")
+    of_pet = ("--set", "volumes.pet.rays.mode=isosurface", "--set", "volumes.pet.rays.iso=90")
+    colored = {}
+    for by, words in (("volume", of_pet), ("view", ("--set", "views.main.render.raycast.mode=isosurface")), ("option", ("--mode", "isosurface"))):
+        ok(*look[:3], *look[-5:], *words, "-o", "beige.png")
+        ok(*look[:3], *look[-5:], *words, "--color", "pet=lightblue", "-o", "blue.png")
+        colored[by] = png_pixels("blue.png")
+        assert colored[by] != png_pixels("beige.png"), by
+    assert colored["view"] == colored["option"] != colored["volume"]
+    says(fails(2, *look[:3], "-o", "b.png", "--color", "pet=lightblue"), "--color does nothing to clouds")
+    says(fails(2, *look[:3], "-o", "b.png", "--mode", "isosurface", "--iso", "70", "--set", "views.main.render.raycast.mode=maximum"),
+         "--iso does nothing in mode maximum")
     says(fails(2, "render", "ct.nrrd", "pet.nrrd", "-o", "b.png", "--iso", "pet=90"), "--iso takes one value", "volumes.pet.rays.mode=isosurface",
          "volumes.pet.rays.iso=90")
+
+
+def write_colors(path, channels, n=24):
+    """A ball whose colour is its place; alpha falls at its skin."""
+    z, y, x = numpy.mgrid[:n, :n, :n]
+    alpha = numpy.clip((0.4 * n - numpy.sqrt(sum((c - (n - 1) / 2) ** 2 for c in (x, y, z)))) / 3 + 0.5, 0, 1)
+    rgb = numpy.stack([60 + 195 * c / (n - 1) for c in (x, y, z)], -1)
+    samples = numpy.concatenate([rgb, 255 * alpha[..., None]], -1) if channels == 4 else rgb * alpha[..., None]
+    with open(path, "wb") as file:
+        file.write((f"NRRD0004\ntype: uint8\ndimension: 4\nspace dimension: 3\nsizes: {channels} {n} {n} {n}\nkinds: "
+                    f"{'RGBA' if channels == 4 else 'RGB'}-color domain domain domain\n"
+                    "space directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n").encode() + samples.astype(numpy.uint8).tobytes())
+
+
+def test_solids_of_colours_are_what_isosurfaces_of_them_are():
+    size = ["--size", "80", "--spp", "1", "--overwrite"]
+    def seen(path, *words):
+        ok("render", path, *words, *size, "-o", "a.png")
+        return numpy.asarray(Image.open("a.png").convert("RGB"), float)
+    for channels in (3, 4):
+        write_colors("rgb.nrrd", channels)
+        surface, solid = seen("rgb.nrrd", "--iso", "0.2"), seen("rgb.nrrd", "--threshold", "0.2..")
+        shown = (surface.sum(axis=2) > 0) & (solid.sum(axis=2) > 0)
+        assert shown.sum() > 1000 and abs(surface - solid)[shown].mean() < 4, (channels, abs(surface - solid)[shown].mean())
+        assert (solid.max(axis=2) - solid.min(axis=2))[shown].mean() > 25, "one colour"
+        says(ok("render", "rgb.nrrd", "--threshold", "100..", *size, "-o", "a.png").message, "nothing is seen")
+        says(ok("render", "rgb.nrrd", "--iso", "0.2", "--method", "surface", *size, "-o", "a.png").message,
+             "volumes.rgb: the colours of samples are not drawn", "raycast")
+        ok("render", "rgb.nrrd", "--set", "volumes.rgb.component=0", "--threshold", "100..", *size, "-o", "a.png")
 
 
 def test_means_of_something_small_are_seen_at_once():

@@ -387,6 +387,39 @@ def test_rays_of_meshes_and_of_methods_without_rays_are_noted():
     write_ply("ball.ply", *sphere(5, 20))
     says(ok("render", "ball.ply", "--set", "volumes.ball.rays.mode=maximum", "--size", "40x40", "-o", "a.png", "--overwrite").message,
          "volumes.ball.rays.mode does nothing", "is a mesh")
+    write_ball("head.nrrd", 16)
+    small = ["--size", "40x40", "-o", "a.png", "--overwrite"]
+    told = ok("render", "head.nrrd", *small, "--set", "volumes.head.rays.blend=add", "--set", "volumes.head.rays.opacity=0.5",
+              "--set", "volumes.head.rays.iso=60").message
+    says(told, *(f"volumes.head.rays.{name} does nothing in mode composite" for name in ("blend", "opacity", "iso")))
+    for words in (["--mode", "maximum", "--set", "volumes.head.rays.opacity=0.5"], ["--set", "volumes.head.rays.step=1vox"]):
+        assert "does nothing" not in ok("render", "head.nrrd", *small, *words).message, words
+
+
+def test_textures_without_effect_are_said():
+    write_ply("ball.ply", *sphere(5, 20))
+    write_ball("head.nrrd", 16)
+    small = ["--size", "40x40", "--overwrite", "-o"]
+    ok("render", "ball.ply", *small, "image.png")
+    for method in ("surface", "raycast"):
+        for texture in ("kind=marble", "image=image.png"):
+            said = ok("render", "ball.ply", "--method", method, "--set", f"volumes.ball.texture.{texture}", *small, "a.png").message
+            says(said, "volumes.ball.texture is not drawn on meshes")
+    wood, image = ["--set", "volumes.head.texture.kind=wood"], ["--set", "volumes.head.texture.image=image.png"]
+    says(ok("render", "head.nrrd", "--iso", 60, *wood, *image, *small, "a.png").message, "volumes.head.texture.image is not used", "pattern")
+    ok("render", "head.nrrd", "--iso", 60, *wood, *small, "b.png")
+    assert png_pixels("a.png") == png_pixels("b.png")
+    assert "not used" not in ok("render", "head.nrrd", "--iso", 60, *image, *small, "a.png").message
+
+
+def test_shadows_of_meshes_alone_choose_the_method_that_has_them():
+    write_ply("ball.ply", *sphere(5, 20))
+    small = ["--size", "40x40", "-o", "a.png", "--overwrite", "--json"]
+    assert ok("render", "ball.ply", *small).json["method"] == "surface"
+    for words in (["--lighting", "cinematic"], ["--shadows"], ["--ambient-occlusion"]):
+        assert ok("render", "ball.ply", *words, *small).json["method"] == "raycast", words
+        said = fails(2, "render", "ball.ply", *words, "--method", "surface", *small)
+        says(said, f"{words[0]} does nothing with method surface", "composite and isosurface of method raycast")
 
 
 def rasterised(path, size):

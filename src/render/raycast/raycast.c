@@ -412,7 +412,7 @@ const vv_renderer vvi_renderer_raycast = {
     .name = "raycast",
     .label = "Ray casting",
     .doc = "ray casting with space skipping: light through clouds, projections to one value per ray, surfaces, meshes "
-           "among them; local illumination",
+           "among them; local light, with shadows and ambient occlusion where they are asked for",
     .params = &vvi_raycast_class,
     .takes = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),
     .best_for = VV_CONTENT_SAMPLES | (VV_HAVE_EMBREE ? VV_CONTENT_MESHES : 0),

@@ -58,7 +58,10 @@ static void warn(const vv_scene *scene, const vv_actor *actor, vv_job *job)
                 actor->id);
     if (actor->paint.field)
         vvi_log(job, VV_LOG_WARNING, name,
-                "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", actor->id);
+                "volumes.%s.paint: is not drawn on the triangles of a volume; method raycast draws it", actor->id);
+    else if (actor->colors)
+        vvi_log(job, VV_LOG_WARNING, name,
+                "volumes.%s: the colours of samples are not drawn on triangles; method raycast draws them", actor->id);
 }
 
 enum { SAMPLES_A_PASS = 8 };
