@@ -255,7 +255,7 @@ def test_a_stream_that_cannot_be_written_has_a_sentence_but_for_a_reader_that_le
     os.close(end)
     done = subprocess.run(words, stdout=begin, stderr=subprocess.PIPE, text=True, env=environment())
     os.close(begin)
-    assert (done.returncode, done.stderr) == (5, "")
+    assert (done.returncode, done.stderr) == (141, "")
 
 
 def test_fill_values_past_the_limits_are_refused():
