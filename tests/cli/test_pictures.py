@@ -1,6 +1,7 @@
 """Pictures: render, scenes, and pictures that repeat themselves."""
 import json
 import os
+import re
 import shutil
 import subprocess
 from harness import HEAD_MRI, Skip, VOLVIS, environment, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
@@ -422,6 +423,13 @@ def test_what_needs_all_of_a_picture_that_is_too_large_says_what_to_do():
         for more in ([], ["--dry-run"]):
             says(fails(4, "render", *words, "--size", "2000", "--memory", "40M", *more), said, "give more with --memory")
     ok("render", "box.ply", "-o", "a.png", "--size", "2000", "--memory", "40M", "--method", "raycast")
+
+
+def test_a_dry_run_tells_times_as_people_do():
+    write_ball()
+    for options, unit in (["--size", "1000", "--spp", "4096", "--quality", "high"], "min"), (["--size", "8"], "s"):
+        said = ok("render", "head.nrrd", "-o", "a.png", "--dry-run", *options).text.split("takes", 1)[1]
+        assert "e+" not in said and re.match(r"\s*about [0-9.]+ " + unit + r" on ", said), said
 
 
 def test_too_little_memory_for_a_picture_is_said():
