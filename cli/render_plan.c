@@ -122,10 +122,12 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
         bytes += samples + made_bytes(renderer, world, view, world->datasets->entry[i].id, &info);
     }
     const uint64_t limit = vv_runtime_memory_limit(command->runtime);
-    bytes = in_parts && bytes > limit ? limit : bytes;
+    const bool limited = bytes > limit; /* part by part, and from bricks; what cannot is refused below */
+    bytes = limited ? limit : bytes;
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", output, view->width, view->height);
-    cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
+    cli_command_line(command, "needs", "at most %s%s for samples, what is made of them, and picture", needed,
+                     limited ? ", the limit," : "");
     vvi_result_string(&command->json, "output", output);
     vvi_result_integer(&command->json, "width", view->width);
     vvi_result_integer(&command->json, "height", view->height);
