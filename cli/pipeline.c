@@ -56,9 +56,9 @@ static void report_time(cli_command *command, const vvi_run_plan *plan, double n
     const double seconds = once ? NAN : n_results * vvi_run_seconds(plan, command->job);
     if (!isfinite(seconds))
         return;
-    const char *const unit = seconds < 100 ? "s" : "min";
-    cli_command_line(command, "takes", "about %.2g %s of work, by what its middle takes; then reading and writing",
-                     seconds < 100 ? seconds : ceil(seconds / 60), unit);
+    char told[32];
+    cli_value_duration(told, seconds);
+    cli_command_line(command, "takes", "about %s of work, by what its middle takes; then reading and writing", told);
     vvi_result_number(&command->json, "seconds", seconds);
 }
 

@@ -46,6 +46,18 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_world *world, const vv_data
 /* Of a picture that is made part by part, its middle tells. */
 enum { PART_ROWS = 4 * VVI_TILE };
 
+static void tell_times(cli_command *command, const vv_render_report *report, double render_s)
+{
+    char all[32], load[32], prepare[32], render[32];
+    cli_value_duration(all, report->load_s + report->prepare_s + render_s);
+    cli_value_duration(load, report->load_s);
+    cli_value_duration(prepare, report->prepare_s);
+    cli_value_duration(render, render_s);
+    cli_command_line(command, "takes",
+                     "about %s on %d %s, an estimate from a few tiles: %s to read, %s to prepare, %s to render", all,
+                     report->threads, cli_plural((size_t)report->threads, "thread", "threads"), load, prepare, render);
+}
+
 /* Data are read for it: what does not fit is refused. */
 static vv_status tell_time(cli_command *command, vv_world *world, const vv_view *view, const char *id, bool in_parts)
 {
@@ -64,11 +76,7 @@ static vv_status tell_time(cli_command *command, vv_world *world, const vv_view 
     vv_picture_free(picture);
     if (st != VV_OK)
         return st;
-    cli_command_line(
-        command, "takes",
-        "about %.2g s on %d %s, an estimate from a few tiles: %.2f s to read, %.2f s to prepare, %.2f s to render",
-        report.load_s + report.prepare_s + render_s, report.threads,
-        cli_plural((size_t)report.threads, "thread", "threads"), report.load_s, report.prepare_s, render_s);
+    tell_times(command, &report, render_s);
     vvi_result_number(&command->json, "estimated_s", report.load_s + report.prepare_s + render_s);
     vvi_result_number(&command->json, "estimated_render_s", render_s);
     return VV_OK;
@@ -114,10 +122,12 @@ vv_status cli_render_plan(cli_command *command, vv_world *world, const char *vie
         bytes += samples + made_bytes(renderer, world, view, world->datasets->entry[i].id, &info);
     }
     const uint64_t limit = vv_runtime_memory_limit(command->runtime);
-    bytes = in_parts && bytes > limit ? limit : bytes;
+    const bool limited = bytes > limit; /* part by part, and from bricks; what cannot is refused below */
+    bytes = limited ? limit : bytes;
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", output, view->width, view->height);
-    cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
+    cli_command_line(command, "needs", "at most %s%s for samples, what is made of them, and picture", needed,
+                     limited ? ", the limit," : "");
     vvi_result_string(&command->json, "output", output);
     vvi_result_integer(&command->json, "width", view->width);
     vvi_result_integer(&command->json, "height", view->height);

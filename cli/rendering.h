@@ -25,6 +25,7 @@ typedef struct cli_rendering {
     vvi_recipe recipe;
     vv_image_options image_options; /* without text */
     vv_image *image;
+    bool at_once;   /* memory has room for all of it */
     bool in_parts;  /* it is larger than memory, and made as it is written */
     bool is_figure; /* SVG */
     char *figure;

@@ -7,11 +7,14 @@
 #include <math.h>
 #include <unistd.h>
 
-/* Between two checkpoints; more where writing one takes long, so that it costs a twentieth at most. STEP_S: how long a
+/* Between two checkpoints; more where writing one takes long, so that it costs a fiftieth at most. STEP_S: how long a
  * signal may have to wait. */
 #define SAVE_EVERY_S 5.0
-#define SAVE_SHARE 20.0
+#define SAVE_SHARE 50.0
 #define STEP_S 0.2
+/* The first one comes as early as costs no more than that: writing takes about 50 ns a pixel. */
+#define FIRST_S 1.0
+#define WRITE_S_PER_PIXEL 50e-9
 
 vv_status cli_resuming_check(cli_rendering *r)
 {
@@ -52,9 +55,16 @@ static vv_status step(cli_rendering *r, vv_picture *picture)
     return vv_picture_step(picture, &until, r->command->job);
 }
 
+static double first_after_s(const cli_rendering *r)
+{
+    const vv_view *view = cli_rendering_view(r);
+    const double pixels = (double)view->width * (double)view->height;
+    return fmin(fmax(SAVE_SHARE * WRITE_S_PER_PIXEL * pixels, FIRST_S), SAVE_EVERY_S);
+}
+
 static vv_status go_on(cli_rendering *r, vv_picture *picture)
 {
-    double next_s = cli_now_s() + SAVE_EVERY_S;
+    double next_s = cli_now_s() + first_after_s(r);
     vv_status st = VV_OK;
     while (st == VV_OK && !vv_picture_is_whole(picture)) {
         if ((st = step(r, picture)) != VV_OK || vv_picture_is_whole(picture))

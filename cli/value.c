@@ -86,3 +86,19 @@ double cli_value_median(double *v, size_t n)
     qsort(v, n, sizeof *v, by_number);
     return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
 }
+
+void cli_value_duration(char out[32], double seconds)
+{
+    if (seconds < 0.995)
+        snprintf(out, 32, "%.2f s", seconds);
+    else if (seconds < 9.95)
+        snprintf(out, 32, "%.1f s", seconds);
+    else if (seconds < 119.5)
+        snprintf(out, 32, "%.0f s", seconds);
+    else if (seconds < 119.5 * 60)
+        snprintf(out, 32, "%.0f min", seconds / 60);
+    else if (seconds < 47.5 * 3600)
+        snprintf(out, 32, "%.1f h", seconds / 3600);
+    else
+        snprintf(out, 32, "%.0f days", fmin(seconds / 86400, 1e9));
+}

@@ -47,6 +47,8 @@ static inline const char *cli_suffix_of(const char *path)
     return dot ? dot : "";
 }
 
+/** "0.05 s", "46 s", "5 min", "77 min", "3.5 h" of a time that is known about. */
+void cli_value_duration(char out[32], double seconds);
 /** Of one number at least, which it sorts. */
 double cli_value_median(double *v, size_t n);
 #endif

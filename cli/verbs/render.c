@@ -6,6 +6,7 @@
 #include "picture_notes.h"
 #include "pipeline.h"
 #include "refusal.h"
+#include "render/picture.h"
 #include "render_plan.h"
 #include "rendering.h"
 #include "resuming.h"
@@ -122,17 +123,54 @@ static vv_status render(cli_rendering *r)
     return st == VV_OK && r->options->repeat > 0 ? repeat(r, (size_t)r->options->repeat) : st;
 }
 
-/* Larger than memory: it is made while it is written. What needs all of it at once is left to fail as it does. */
-static vv_status choose_parts(cli_rendering *r)
+/* Whether what it shows, and what it is written as, can be made from the top down. */
+static vv_status check_parts(const cli_rendering *r)
 {
     const vv_view *view = cli_rendering_view(r);
+    vv_scene *scene;
+    vv_status st =
+        vv_image_check_rows(r->output, (int32_t)view->width, (int32_t)view->height, &r->image_options, r->command->job);
+    if (st == VV_OK && (st = vv_scene_resolve(&scene, r->world, r->recipe.view, r->command->job)) == VV_OK) {
+        st = vvi_has_parts(scene);
+        vv_scene_release(scene);
+    }
+    if (st != VV_E_UNSUPPORTED)
+        return st;
+    char why[1024]; /* which matters because memory is short */
+    snprintf(why, sizeof why, "%s", vv_error_last()->message);
+    return vv_fail(VV_E_LIMIT, "%s, or give more with --memory", why);
+}
+
+/* What makes it at once, however large it is, and how it were made part by part; NULL: nothing does. */
+static const char *wants_all(const cli_rendering *r)
+{
+    return r->checkpoint        ? "omit --resume, which keeps all of it"
+           : r->options->repeat ? "omit --repeat, which makes all of it"
+           : r->is_figure       ? "write PNG, as a figure needs all of it"
+           : r->suffix[0]       ? "name a file, as standard output gets all of it"
+                                : NULL;
+}
+
+/* Larger than memory: it is made while it is written. */
+static vv_status choose_parts(cli_rendering *r)
+{
     uint64_t bytes;
-    bool at_once;
-    const vv_status st = vv_render_memory(&bytes, &at_once, r->world, r->recipe.view, r->command->job);
-    r->in_parts = st == VV_OK && !at_once && !r->is_figure && !r->checkpoint && !r->options->repeat && !r->suffix[0];
-    return r->in_parts ? vv_image_check_rows(r->output, (int32_t)view->width, (int32_t)view->height, &r->image_options,
-                                             r->command->job)
-                       : st;
+    const vv_status st = vv_render_memory(&bytes, &r->at_once, r->world, r->recipe.view, r->command->job);
+    r->in_parts = st == VV_OK && !r->at_once && !wants_all(r);
+    return r->in_parts ? check_parts(r) : st;
+}
+
+/* What cannot be made part by part is left to find out whether there is memory. */
+static vv_status explain_limit(const cli_rendering *r, vv_status st)
+{
+    const char *instead = wants_all(r);
+    char why[1024];
+    if (st != VV_E_LIMIT || r->at_once || !instead)
+        return st;
+    const char *message = vv_error_last()->message, *advice = strstr(message, "; give");
+    snprintf(why, sizeof why, "%.*s", (int)(advice ? (size_t)(advice - message) : strlen(message)), message);
+    return vv_fail(VV_E_LIMIT, "%s; give more with --memory, make it smaller, or %s: then it is made part by part", why,
+                   instead);
 }
 
 /* A figure has colours alone. */
@@ -224,11 +262,12 @@ static vv_status run(cli_command *command)
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
             st = (st = choose_parts(&r)) == VV_OK
-                     ? cli_render_plan(command, r.world, r.recipe.view, r.output, r.in_parts)
+                     ? explain_limit(&r, cli_render_plan(command, r.world, r.recipe.view, r.output, r.in_parts))
                      : st;
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_data(command, r.world, command->args.words[0], st);
-        else if ((st = choose_parts(&r)) == VV_OK && (st = r.in_parts ? VV_OK : render(&r)) == VV_OK && r.saved)
+        else if ((st = choose_parts(&r)) == VV_OK &&
+                 (st = r.in_parts ? VV_OK : explain_limit(&r, render(&r))) == VV_OK && r.saved)
             cli_resuming_report(&r);
         else if (st == VV_OK && (st = cli_rendering_write(&r)) == VV_OK)
             cli_rendering_report(&r);

@@ -146,12 +146,32 @@ static void add_value(walk *w, const vv_object *object, const vv_property *row)
     }
 }
 
-static void add_object(walk *w, const vv_object *object)
+static bool is_left_out(const walk *w, const vv_object *owner, const vv_property *row)
 {
     const vvi_hash_rules *rules = w->rules;
+    return rules->leaves_out && rules->leaves_out(rules->user, owner, row);
+}
+
+/* An object of which nothing is set but what does not count: it counts no more than one that is not there. */
+static bool is_emptied(const walk *w, const vv_object *owner, const vv_property *row)
+{
+    const vv_object *object = row->kind == VV_KIND_OBJECT ? vvi_object_of(owner, row) : NULL;
+    bool any = false;
+    for (const vv_property *own = object ? object->cls->properties : NULL; own && own->name; own++) {
+        if (!vvi_property_is_set(object, own))
+            continue;
+        if (!is_left_out(w, object, own))
+            return false;
+        any = true;
+    }
+    return any;
+}
+
+static void add_object(walk *w, const vv_object *object)
+{
     add_text(w, object->cls->name);
     for (const vv_property *row = object->cls->properties; row->name; row++) {
-        if (!vvi_property_is_set(object, row) || (rules->leaves_out && rules->leaves_out(rules->user, object, row)))
+        if (!vvi_property_is_set(object, row) || is_left_out(w, object, row) || is_emptied(w, object, row))
             continue;
         add_text(w, row->name);
         add_value(w, object, row);

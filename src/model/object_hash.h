@@ -9,7 +9,8 @@
 
 /** What it goes over. Zeros: all that is set, and references as names. */
 typedef struct vvi_hash_rules {
-    /** Whether a property that is set does not count; NULL: all do. */
+    /** Whether a property that is set does not count; NULL: all do. An object of which no others are set does not
+     * either. */
     bool (*leaves_out)(const void *user, const vv_object *owner, const vv_property *row);
     const void *user;
     /** Not NULL: references to objects of this World count as what they lead to, whatever its name, at most 16 deep. */

@@ -1,6 +1,7 @@
 """Pictures: render, scenes, and pictures that repeat themselves."""
 import json
 import os
+import re
 import shutil
 import subprocess
 from harness import HEAD_MRI, Skip, VOLVIS, environment, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
@@ -406,9 +407,29 @@ def test_a_picture_larger_than_memory_is_made_part_by_part():
     assert ok(*large, "-o", "a.png", "--memory", "20M", "--dry-run", "--json").json["in_parts"]
     for word, *options in (["PNG", "-o", "a.jpg"], ["decorations", "-o", "a.png", "--decorate", "axes"], ["noise", "-o", "a.png", "--noise", "1%"]):
         for more in ([], ["--dry-run"]):  # which says it, too
-            result = volvis(*large, "--memory", "20M", *options, *more)
-            assert result.code != 0, (options, more)
-            says(result.message, word)
+            says(fails(4, *large, "--memory", "20M", *options, *more), word, "--memory")
+
+
+def test_what_needs_all_of_a_picture_that_is_too_large_says_what_to_do():
+    write_ball()
+    with open("box.ply", "w", encoding="ascii") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+                   "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n")
+    for said, *words in (["--resume", "head.nrrd", "-o", "a.png", "--resume", "a.part"], ["--repeat", "head.nrrd", "-o", "a.png", "--repeat", "2"],
+                         ["PNG", "head.nrrd", "-o", "a.svg"], ["a file", "head.nrrd", "-o", "-", "--output-format", "png"],
+                         ["decorations", "head.nrrd", "-o", "a.png", "--decorate", "axes"], ["noise", "head.nrrd", "-o", "a.png", "--noise", "1%"],
+                         ["PNG", "head.nrrd", "-o", "a.exr"], ["layers", "head.nrrd", "-o", "a.png", "--aov", "depth"],
+                         ["method raycast", "box.ply", "-o", "a.png"]):
+        for more in ([], ["--dry-run"]):
+            says(fails(4, "render", *words, "--size", "2000", "--memory", "40M", *more), said, "give more with --memory")
+    ok("render", "box.ply", "-o", "a.png", "--size", "2000", "--memory", "40M", "--method", "raycast")
+
+
+def test_a_dry_run_tells_times_as_people_do():
+    write_ball()
+    for options, unit in (["--size", "1000", "--spp", "4096", "--quality", "high"], "min"), (["--size", "8"], "s"):
+        said = ok("render", "head.nrrd", "-o", "a.png", "--dry-run", *options).text.split("takes", 1)[1]
+        assert "e+" not in said and re.match(r"\s*about [0-9.]+ " + unit + r" on ", said), said
 
 
 def test_too_little_memory_for_a_picture_is_said():

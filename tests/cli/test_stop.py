@@ -166,6 +166,22 @@ def test_a_picture_killed_while_its_checkpoint_is_written_leaves_the_last_one():
     assert ok(*LONG, "--resume", "a.part", "--json").json["resumed"]
 
 
+def test_the_first_checkpoint_comes_soon():
+    write_ball()
+    with started(*LONG[:-1], "4000", "--resume", "a.part", "--progress", "json") as process:
+        wait_until_it_works_on(process, "render")
+        began = time.monotonic()
+        wait_until(lambda: os.path.exists("a.part"), process, "it has saved")
+        assert time.monotonic() - began < 4, "it comes after a second"
+        process.kill()
+        process.wait(timeout=PATIENCE)
+    with started(*LONG[:-1], "4000", "--resume", "a.part", "--progress", "json") as process:
+        wait_until_it_works_on(process, "render")
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 75, said
+
+
 def test_what_cannot_be_resumed_is_said_first():
     write_ball()
     for words, said in ((["--repeat", "2"], "--repeat"), (["-o", "a.svg"], "SVG")):

@@ -412,6 +412,8 @@ def test_what_is_larger_than_memory_is_drawn_from_its_bricks_in_all_modes():
         look = ("render", "a.zarr", *words, "--size", "48x48", "--spp", "1", "--overwrite", "-o")
         ok(*look, "much.png", "--memory", "1G")
         ok(*look, "little.png", "--memory", "9M")
+        plan = ok(*look, "little.png", "--memory", "9M", "--dry-run", "--json").json
+        assert plan["memory_bytes"] == 9 << 20 and not plan["in_parts"], plan
         with open("much.png", "rb") as much, open("little.png", "rb") as little:
             assert much.read() == little.read(), words
 

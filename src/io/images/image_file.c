@@ -201,10 +201,10 @@ static vv_status choose_for_rows(const vv_image_format **format_out, vv_image_op
         st = check_side(path, *format_out, rows->width, rows->height);
     if (st == VV_OK && (!(*format_out)->write_rows || out->layers))
         st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
-                        "an image of %d x %d pixels is more than the memory limit allows at once, and %s; write PNG, "
-                        "which is written row by row",
-                        rows->width, rows->height,
-                        out->layers ? "layers need all of it" : "this format needs all of it");
+                        "an image of %d x %d pixels is more than the memory limit allows at once, and %s", rows->width,
+                        rows->height,
+                        out->layers ? "layers need all of it; omit them"
+                                    : "this format needs all of it; write PNG, which is written row by row");
     return st;
 }
 

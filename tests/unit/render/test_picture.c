@@ -385,6 +385,38 @@ static void a_checkpoint_is_taken_for_what_its_picture_depends_on_alone(void **s
     unlink(file);
 }
 
+/* From nothing to the first of its kind, and back. */
+static void what_is_drawn_over_a_picture_comes_and_goes(void **state)
+{
+    static const look edits[] = {
+        {"views.main.decorations", "{\"title\": \"over it\"}"},
+        {"views.main.decorations", "{\"caption\": \"{file}\"}"},
+        {"views.main.decorations", "{\"scale_bar\": true}"},
+        {"views.main.decorations", "{\"scale_bar\": false, \"legend\": true}"},
+    };
+    for (size_t i = 0; i < 2 * (sizeof edits / sizeof *edits); i++) {
+        setup s;
+        begin(&s, &ways[0], 1);
+        assert_int_equal(vv_path_unset(&s.world, "views.main.decorations", NULL), VV_OK);
+        vv_object *bare = vv_object_retain(s.world);
+        set(&s, edits[i / 2].path, edits[i / 2].json);
+        vv_object *one = i % 2 ? s.world : bare, *other = i % 2 ? bare : s.world;
+        s.world = one;
+        vv_picture *picture = new_picture(&s, false);
+        step(picture, 1e-9, s.job);
+        assert_int_equal(vv_picture_save(picture, file, s.job), VV_OK);
+        vv_picture_free(picture);
+        s.world = other;
+        picture = new_picture(&s, false);
+        if (vv_picture_resume(picture, file, s.job) != VV_OK)
+            fail_msg("%s, %s: %s", edits[i / 2].json, i % 2 ? "gone" : "come", vv_error_last()->message);
+        vv_picture_free(picture);
+        vv_object_release(one);
+        end(&s);
+    }
+    unlink(file);
+}
+
 static void other_samples_make_another_picture(void **state)
 {
     setup s;
@@ -528,6 +560,7 @@ int main(void)
         cmocka_unit_test(a_picture_whose_process_was_killed_goes_on_with_the_same_bytes),
         cmocka_unit_test(a_damaged_or_cut_checkpoint_is_refused_and_the_picture_stays),
         cmocka_unit_test(a_checkpoint_is_taken_for_what_its_picture_depends_on_alone),
+        cmocka_unit_test(what_is_drawn_over_a_picture_comes_and_goes),
         cmocka_unit_test(other_samples_make_another_picture),
         cmocka_unit_test(a_step_ends_where_it_is_told_to),
         cmocka_unit_test(parts_of_a_picture_are_the_whole),
