@@ -403,6 +403,14 @@ def test_without_a_home_a_session_is_kept_where_nobody_else_can_put_it():
 
 # Addresses ----------------------------------------------------------------------------------------------------------
 
+def refuses(what, *words):
+    try:
+        what(*words)
+        return False
+    except OSError:
+        return True
+
+
 def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
     with attacked() as server:
         try:
@@ -419,17 +427,21 @@ def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
             with socket.create_connection(("::1" if address == "::1" else "127.0.0.1", server.port), timeout=60) as sock:
                 sock.sendall(f"GET / HTTP/1.1\r\nHost: {server.base[7:]}\r\n\r\n".encode())
                 assert codes(one_answer(sock)) == [200]
+            if "localhost" in base:
+                with socket.socket(socket.AF_INET6) as other:
+                    assert refuses(other.bind, ("::1", server.port)), "another program can be localhost"
     with socket.socket(socket.AF_INET6) as other:
         other.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         other.bind(("::1", 0))
         other.listen()
         port = other.getsockname()[1]
-        try:
-            server = Server("ball.nrrd", "--port", port)
-        except AssertionError:
-            raise Skip("another program has this port")
-        with server:
-            assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
+        for words, verb in (((), "view"), (("--listen", "0.0.0.0"), "serve")):
+            try:
+                server = Server("ball.nrrd", "--port", port, *words, verb=verb)
+            except AssertionError:
+                raise Skip("another program has this port")
+            with server:
+                assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
 
 
 # TLS ----------------------------------------------------------------------------------------------------------------
