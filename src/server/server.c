@@ -180,13 +180,13 @@ static struct lws_context_creation_info settings(vvi_server *server)
     return info;
 }
 
-/* Both loopback addresses, at one port: whoever had the other one would be taken for this server where a name stands
- * for both. In `both`, whether it is so. */
-static struct lws_vhost *listen_at_home(vvi_server *server, struct lws_context_creation_info *info, bool *both)
+/* At this address and the loopback one of IPv6, at one port: whoever had the other one would be taken for this server
+ * where a name stands for both. In `both`, whether it is so. */
+static struct lws_vhost *listen_at_both(vvi_server *server, struct lws_context_creation_info *info, bool *both)
 {
     struct lws_context_creation_info other = *info;
     struct lws_vhost *vhost = NULL;
-    info->iface = "127.0.0.1";
+    info->iface = server->options.listen ? server->options.listen : "127.0.0.1";
     info->options |= LWS_SERVER_OPTION_DISABLE_IPV6;
     *both = false;
     for (int i = 0; i < PORT_TRIES && !*both; i++) {
@@ -211,8 +211,8 @@ static struct lws_vhost *listen_anywhere(vvi_server *server, bool *both)
     info.port = o->port;
     if (!(server->context = lws_create_context(&info)))
         return NULL;
-    if (!o->socket && !o->listen)
-        return listen_at_home(server, &info, both);
+    if (!o->socket && (!o->listen || strcmp(o->listen, "0.0.0.0") == 0))
+        return listen_at_both(server, &info, both);
     *both = true;
     info.iface = o->socket ? o->socket : o->listen;
     if (o->socket) {

@@ -33,6 +33,8 @@ struct vvi_server {
     uint64_t uploaded; /* what all files that came or come take on a disk, bytes */
     int uploads;       /* files that came or come */
     int at_once;       /* connections that came since the doors were looked at */
+    int waiting;       /* of those who waited, that are taken whatever they cost, so many have not come yet */
+    int64_t emptied;   /* when it was looked how many those are */
     int strangers;     /* connections that were not let in */
     vvi_rations rations;
     struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
@@ -46,7 +48,8 @@ struct vvi_server {
 
 /* server_doors.c -------------------------------------------------------------------------------------------------- */
 
-/** A connection comes at a door: it is let in, and others not before it is their turn. False: there are too many. */
+/** A connection comes at a door: it is let in, and others when it is their turn or they have waited. False: there are
+ * too many. */
 bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now);
 /** Whenever a connection has closed: doors that are shut stay so. */
 void vvi_doors_stay(vvi_server *server);

@@ -10,12 +10,13 @@ import socket
 import ssl
 import stat
 import subprocess
+import sys
 import time
 
 import served
-from harness import Skip, fails, main, says, write_ball
+from harness import Skip, fails, main, sanitized, says, write_ball
 from page import Page, Server, run
-from wire import answer, attacked, behaves, codes, connect, ends, head, one_answer, upgrade, wait_for
+from wire import answer, attacked, behaves, codes, connect, ends, head, hello, one_answer, upgrade, wait_for
 
 try:
     import websockets
@@ -63,6 +64,49 @@ def test_who_shows_no_token_keeps_nobody_out_by_connections():
         assert all(ends(sock) for sock in strangers[:3000]), "they stay"
         for sock in strangers:
             sock.close()
+
+
+FLOOD = """
+import socket, sys, time
+held, n, end = [], 0, time.monotonic() + float(sys.argv[2])
+while time.monotonic() < end:
+    try:
+        held.append(socket.create_connection(("127.0.0.1", int(sys.argv[1])), timeout=2))
+        held[-1].sendall(b"GET / HTTP/1.1\\r\\nHo")
+        n += 1
+    except OSError:
+        pass
+    if len(held) > 800:
+        held.pop(0).close()
+print(n)
+"""
+
+
+def test_half_heads_as_many_as_one_can_send_make_nobody_wait_for_long():
+    may_open(4000)
+    with attacked() as server:
+        looking = upgrade(server, server.cookie())[0]  # where nobody looks, connections may take all there is
+        looking.sendall(hello())
+        flood = subprocess.Popen([sys.executable, "-c", FLOOD, str(server.port), "10"], stdout=subprocess.PIPE)
+        longest, n = 0, 0
+        while flood.poll() is None:
+            time.sleep(0.5)
+            for step in (lambda: server.request("/")[0] == 200, lambda: let_in(server) == 204, lambda: run(sees(server))):
+                began = time.monotonic()
+                assert step(), "a newcomer is turned away"
+                longest = max(longest, time.monotonic() - began)
+            n += 1
+        came = int(flood.communicate()[0])
+        # with what they may cost at once, 2000 are enough to shut the doors; they came to wait for 5 to 20 s
+        assert came > (500 if sanitized() else 3000) and n >= 2, (came, n)
+        assert longest < (20 if sanitized() else 4), (longest, n, came)
+        looking.close()
+
+
+async def sees(server):
+    async with Page(server, 64, 64) as page:
+        await page.resting()
+    return True
 
 
 def let_in(server):
@@ -359,6 +403,14 @@ def test_without_a_home_a_session_is_kept_where_nobody_else_can_put_it():
 
 # Addresses ----------------------------------------------------------------------------------------------------------
 
+def refuses(what, *words):
+    try:
+        what(*words)
+        return False
+    except OSError:
+        return True
+
+
 def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
     with attacked() as server:
         try:
@@ -375,17 +427,21 @@ def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
             with socket.create_connection(("::1" if address == "::1" else "127.0.0.1", server.port), timeout=60) as sock:
                 sock.sendall(f"GET / HTTP/1.1\r\nHost: {server.base[7:]}\r\n\r\n".encode())
                 assert codes(one_answer(sock)) == [200]
+            if "localhost" in base:
+                with socket.socket(socket.AF_INET6) as other:
+                    assert refuses(other.bind, ("::1", server.port)), "another program can be localhost"
     with socket.socket(socket.AF_INET6) as other:
         other.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         other.bind(("::1", 0))
         other.listen()
         port = other.getsockname()[1]
-        try:
-            server = Server("ball.nrrd", "--port", port)
-        except AssertionError:
-            raise Skip("another program has this port")
-        with server:
-            assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
+        for words, verb in (((), "view"), (("--listen", "0.0.0.0"), "serve")):
+            try:
+                server = Server("ball.nrrd", "--port", port, *words, verb=verb)
+            except AssertionError:
+                raise Skip("another program has this port")
+            with server:
+                assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
 
 
 # TLS ----------------------------------------------------------------------------------------------------------------

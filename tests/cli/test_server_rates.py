@@ -203,7 +203,8 @@ def test_pages_that_come_and_go_take_no_more_of_the_loop_than_connections_get():
 
 
 def test_requests_one_after_the_other_take_no_more_either():
-    """Each is refused, and its end makes room for the next: the doors stay shut all the same while they have had their share."""
+    """Each is refused, and its end makes room for the next: the doors stay shut all the same while they have had their share,
+    since only one of them waits when all that wait are taken."""
     with attacked() as server:
         looking = [greeted(server, server.cookie(), 64) for _ in range(20)]
         request = b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"
