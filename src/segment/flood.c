@@ -246,7 +246,7 @@ vv_status vvi_flood(uint32_t *label, const vvi_heights *heights, const vvi_neigh
         return vv_fail_memory(bytes);
     memset(f.head, 0xff, bytes);
     f.tail = f.head + LISTS;
-    while (list_of(&f, heights->hi) >= LISTS)
+    while (((uint64_t)heights->hi - (uint64_t)heights->lo) >> f.shift >= LISTS) /* their distance needs 64 bits */
         f.shift++;
     if (basins)
         f.level_value = basins->value(basins->user, f.level);

@@ -90,6 +90,74 @@ static void basins_of_two_hills_meet_in_the_plane_between_them(void **state)
     vv_job_release(job);
 }
 
+enum { N_RANKS = 5 * 6 * 7 };
+
+/* A sample of the type whose rank among the samples is given: the smallest and the largest are the type's own. */
+static void put_ranked(void *data, size_t i, uint64_t rank, vv_type type)
+{
+    const uint64_t between = UINT64_MAX / (N_RANKS - 1) * rank;
+    switch (type) {
+    case VV_TYPE_U64:
+        ((uint64_t *)data)[i] = between;
+        break;
+    case VV_TYPE_I64:
+        ((int64_t *)data)[i] = (int64_t)(between ^ (uint64_t)1 << 63);
+        break;
+    case VV_TYPE_F64:
+        ((double *)data)[i] = ((double)rank - N_RANKS / 2) * 1e300;
+        break;
+    default:
+        ((int16_t *)data)[i] = (int16_t)rank;
+        break;
+    }
+}
+
+static vv_field *ranked(const uint64_t *rank, vv_type type)
+{
+    vv_field_info info = vv_field_info_default();
+    vv_field *out;
+    void *data;
+    info.type = type;
+    info.grid.dims[0] = 5, info.grid.dims[1] = 6, info.grid.dims[2] = 7;
+    assert_int_equal(vv_field_new_empty(&out, &data, &info, NULL), VV_OK);
+    for (size_t i = 0; i < N_RANKS; i++)
+        put_ranked(data, i, rank[i], type);
+    return out;
+}
+
+/* Basins without a depth know only which samples are higher: what spans all 64 bits has those of its ranks. */
+static void basins_hang_on_the_order_of_samples_alone(void **state)
+{
+    (void)state;
+    static const vv_type types[] = {VV_TYPE_U64, VV_TYPE_I64, VV_TYPE_F64};
+    uint64_t rank[N_RANKS], random = 1;
+    vv_job *job = test_job(2, 0);
+    for (size_t i = 0; i < N_RANKS; i++) {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        const size_t other = (size_t)(random >> 33) % (i + 1);
+        rank[i] = rank[other];
+        rank[other] = i;
+    }
+    for (int bright = 0; bright < 2; bright++) {
+        const char *settings = bright ? "bright=true" : "";
+        vv_field *of_ranks = ranked(rank, VV_TYPE_I16), *want;
+        assert_int_equal(test_apply(&want, &vvi_operation_watershed, of_ranks, settings, job), VV_OK);
+        assert_true(vv_field_value(want, 4, 5, 6, 0) >= 1);
+        for (int t = 0; t < 3; t++) {
+            vv_field *in = ranked(rank, types[t]), *got;
+            assert_int_equal(test_apply(&got, &vvi_operation_watershed, in, settings, job), VV_OK);
+            for (int64_t i = 0; i < N_RANKS; i++)
+                assert_int_equal(vv_field_value(got, i % 5, i / 5 % 6, i / 30, 0),
+                                 vv_field_value(want, i % 5, i / 5 % 6, i / 30, 0));
+            vv_field_release(got);
+            vv_field_release(in);
+        }
+        vv_field_release(want);
+        vv_field_release(of_ranks);
+    }
+    vv_job_release(job);
+}
+
 static void what_makes_no_sense_is_refused(void **state)
 {
     (void)state;
@@ -116,6 +184,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(basins_of_a_line_are_as_deep_as_their_pass_is_high),
         cmocka_unit_test(basins_of_two_hills_meet_in_the_plane_between_them),
+        cmocka_unit_test(basins_hang_on_the_order_of_samples_alone),
         cmocka_unit_test(what_makes_no_sense_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
