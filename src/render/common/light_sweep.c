@@ -133,7 +133,7 @@ static vv_status run_task(void *scratch, void *shared, size_t index)
         run_sweep(t->out, (float *[2]){slices, slices + cells}, all->grid, &s);
         st = vvi_job_poll(all->job);
     }
-    vvi_light_smooth(t->out, n);
+    vvi_light_smooth(t->out, n, t->inverse_radius == 0);
     vvi_free(slices);
     return st;
 }
@@ -287,7 +287,7 @@ static vv_status light_from_point(float *out, const vvi_light_grid *grid, vv_vec
     point_work w = {.grid = grid, .at = vv_affine_point(to_cell, position), .out = out, .job = job};
     const vv_status st = vvi_parallel_for(job, &work, &w, (size_t)grid->n[2]);
     if (st == VV_OK)
-        vvi_light_smooth(out, grid->n);
+        vvi_light_smooth(out, grid->n, true);
     return st;
 }
 

@@ -3,26 +3,27 @@
 #include "core/vec.h"
 #include <math.h>
 
-/* A quarter of each neighbour and a half of itself; ends keep what they have. */
-static void smooth_line(float *cells, size_t stride, int32_t n)
+/* A quarter of each neighbour and a half of itself; ends keep what they have, and if asked, what is brighter than its
+ * neighbours. */
+static void smooth_line(float *cells, size_t stride, int32_t n, bool only_brighter)
 {
     float before = cells[0];
     for (int32_t i = 1; i + 1 < n; i++) {
         float *c = cells + (size_t)i * stride;
-        const float own = *c;
-        *c = 0.25f * (before + c[stride]) + 0.5f * own;
+        const float own = *c, mean = 0.25f * (before + c[stride]) + 0.5f * own;
+        *c = only_brighter && own > mean ? own : mean;
         before = own;
     }
 }
 
-void vvi_light_smooth(float *cells, const int32_t n[3])
+void vvi_light_smooth(float *cells, const int32_t n[3], bool only_brighter)
 {
     const size_t stride[3] = {1, (size_t)n[0], (size_t)n[0] * (size_t)n[1]};
     for (int a = 0; a < 3; a++) {
         const int u = a == 0 ? 1 : 0, v = a == 2 ? 1 : 2;
         for (int32_t j = 0; j < n[v]; j++)
             for (int32_t i = 0; i < n[u]; i++)
-                smooth_line(cells + (size_t)j * stride[v] + (size_t)i * stride[u], stride[a], n[a]);
+                smooth_line(cells + (size_t)j * stride[v] + (size_t)i * stride[u], stride[a], n[a], only_brighter);
     }
 }
 
@@ -43,7 +44,10 @@ void vvi_light_pack(uint32_t *cells, const float *const shares[], int n, size_t 
 
 void vvi_light_volume_at(double out[VVI_LIGHT_SHARES], const vvi_light_volume *v, vv_vec3 position, vv_vec3 normal)
 {
-    const vv_vec3 p = vvi_add(position, vvi_scaled(normal, v->ahead));
+    double width = 0;
+    for (int a = 0; a < 3; a++)
+        width += fabs(vvi_dot(normal, v->ahead[a]));
+    const vv_vec3 p = vvi_add(position, vvi_scaled(normal, width));
     const size_t row = (size_t)v->n[0], slice = row * (size_t)v->n[1];
     size_t at = 0;
     double f[3], root[VVI_LIGHT_SHARES] = {0};

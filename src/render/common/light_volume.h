@@ -50,14 +50,15 @@ typedef struct vvi_light_volume {
     int n_words, n_shares;
     float ambient; /**< times the ambient light that is said */
     double world_to_cell[3][4];
-    double ahead; /**< world length from a surface to the place whose light it gets: what it shades of itself is not its
-                       own shadow */
+    vv_vec3 ahead[3]; /**< edges of a box: a surface gets the light of a place ahead by the box's width along its
+                         normal, beyond the cells that it fills itself */
     float scatter[VVI_LIGHT_SHARES], scatter_rest; /**< of what is not shaded: weights of the shares, 1 together with
                                                       the light that always arrives */
 } vvi_light_volume;
 
-/** Takes the finest pattern, which is that of the cells, from shares: with 1/4, 1/2, 1/4 along each axis. */
-void vvi_light_smooth(float *cells, const int32_t n[3]);
+/** Takes the finest pattern, which is that of the cells, from shares: with 1/4, 1/2, 1/4 along each axis.
+ * only_brighter: no cell gets darker, so that a shadow does not reach cells in the light. */
+void vvi_light_smooth(float *cells, const int32_t n[3], bool only_brighter);
 /** Packs shares, of `n` sorts (NULL: all light arrives), into cells of n_words = (n + 3) / 4 words. */
 void vvi_light_pack(uint32_t *cells, const float *const shares[], int n, size_t n_cells);
 

@@ -12,9 +12,23 @@ typedef struct light_place {
     vf f[3];
 } light_place;
 
+/** From a surface to the place whose light it gets, world. */
+VV_INLINE vf3 light_ahead(const vvi_light *light, vf3 normal)
+{
+    vf width = vf_set1(0.0f);
+    VV_UNROLL
+    for (int a = 0; a < 3; a++) {
+        const float *edge = light->ahead[a];
+        width = width + vf_abs(vf_fma(vf_set1(edge[0]), normal.x,
+                                      vf_fma(vf_set1(edge[1]), normal.y, vf_set1(edge[2]) * normal.z)));
+    }
+    return vf3_scale(normal, width);
+}
+
 VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal)
 {
-    const vf at[3] = {p.x, p.y, p.z}, n[3] = {normal.x, normal.y, normal.z};
+    const vf3 way = light_ahead(light, normal);
+    const vf at[3] = {p.x, p.y, p.z}, ahead[3] = {way.x, way.y, way.z};
     const int32_t *dims = light->volume.n, stride[3] = {1, dims[0], dims[0] * dims[1]};
     light_place out;
     out.cell = vi_set1(0);
@@ -24,7 +38,7 @@ VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal
         VV_UNROLL
         for (int b = 0; b < 3; b++) {
             q = vf_fma(vf_set1(light->cell_from_index[a][b]), at[b], q);
-            q = vf_fma(vf_set1(light->cell_ahead[a][b]), n[b], q);
+            q = vf_fma(vf_set1(light->cell_from_world[a][b]), ahead[b], q);
         }
         q = vf_min(vf_max(q, vf_set1(0.0f)), vf_set1((float)dims[a] - 1.001f)); /* 0 of NaN too */
         const vi whole = vi_trunc(q);

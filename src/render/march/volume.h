@@ -127,7 +127,8 @@ typedef struct vvi_light {
     vvi_lamp lamps[VVI_RAY_LAMPS];
     vvi_light_volume volume;
     float cell_from_index[3][4]; /**< to the light volume's cells */
-    float cell_ahead[3][3];      /**< of a normal in the world: to the place whose light its surface gets */
+    float cell_from_world[3][3]; /**< the same of ways in the world */
+    float ahead[3][3];           /**< the box ahead of surfaces, world */
 } vvi_light;
 
 typedef struct vvi_march_volume {

@@ -10,8 +10,8 @@
 /* Cells along the longest side, and altogether at most. */
 enum { CELLS_ALONG = 72, MOST_CELLS = 1 << 20 };
 #define RADIUS (1.0 / 20) /* of the diagonal */
-/* Cells from a surface to the place whose light it gets. */
-#define AHEAD 1.5
+/* From a surface to the place whose light it gets, in cells along the normal, each as long as it is that way. */
+#define AHEAD 2
 
 vvi_lighting vvi_raycast_lighting_of(const vvi_raycast_params *p)
 {
@@ -379,13 +379,18 @@ static void tell(vvi_raycast_volume *v, const vvi_light_volume *l, const vv_affi
     vvi_light *light = &v->ray.light;
     const vv_affine m = vv_affine_compose(*to_cell, v->actor->index_to_world);
     light->volume = *l;
+    for (int a = 0; a < 3; a++) {
+        const double axis[3] = {l->ahead[a].x, l->ahead[a].y, l->ahead[a].z};
+        for (int b = 0; b < 3; b++)
+            light->ahead[a][b] = (float)axis[b];
+    }
     for (int b = 0; b < 4; b++) {
         const vv_vec3 from = b < 3 ? m.axis[b] : m.origin, ahead = b < 3 ? to_cell->axis[b] : vvi_vec(0, 0, 0);
         const double column[3] = {from.x, from.y, from.z}, way[3] = {ahead.x, ahead.y, ahead.z};
         for (int a = 0; a < 3; a++) {
             light->cell_from_index[a][b] = (float)column[a];
             if (b < 3)
-                light->cell_ahead[a][b] = (float)(way[a] * l->ahead);
+                light->cell_from_world[a][b] = (float)way[a];
         }
     }
 }
@@ -402,9 +407,8 @@ static vv_status tell_all(vvi_raycast_state *s, const request *r)
     l->n_shares = 1 + (int)lamps_of(r);
     l->n_words = (l->n_shares + 3) / 4;
     l->ambient = r->lighting.ambient;
-    l->ahead = 0;
     for (int a = 0; a < 3; a++)
-        l->ahead += AHEAD / 3 * vvi_length(to_world.axis[a]);
+        l->ahead[a] = vvi_scaled(to_world.axis[a], AHEAD);
     for (int a = 0; a < 3; a++) {
         const vv_affine *m = &to_cell;
         const double row[3][4] = {{m->axis[0].x, m->axis[1].x, m->axis[2].x, m->origin.x},
