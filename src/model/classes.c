@@ -378,7 +378,7 @@ static const vv_property volume[] = {
      .automatic = "linear; nearest for labels and for single slices",
      .doc = "values between samples; cubic: a smooth curve through them; linear for labels: smooth borders"},
     {VV_PROP(vv_volume, color), .kind = VV_KIND_COLOR, .def_text = "\"#e6dcc8\"",
-     .doc = "of surfaces: threshold and isosurface"},
+     .doc = "of surfaces: threshold, isosurface, mesh; where several have none set they get different ones"},
     {VV_PROP(vv_volume, paint), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_paint_class,
      .doc = "colours from the values of another dataset"},
     {VV_PROP(vv_volume, texture), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_texture_class,

@@ -235,6 +235,9 @@ def test_solids_of_colours_are_what_isosurfaces_of_them_are():
         shown = (surface.sum(axis=2) > 0) & (solid.sum(axis=2) > 0)
         assert shown.sum() > 1000 and abs(surface - solid)[shown].mean() < 4, (channels, abs(surface - solid)[shown].mean())
         assert (solid.max(axis=2) - solid.min(axis=2))[shown].mean() > 25, "one colour"
+        ok("render", "rgb.nrrd", "--threshold", "0.2..", *size, "-o", "first.png")
+        ok("render", "first.png", "--overwrite", "-o", "again.png")
+        assert png_pixels("first.png") == png_pixels("again.png")
         says(ok("render", "rgb.nrrd", "--threshold", "100..", *size, "-o", "a.png").message, "nothing is seen")
         says(ok("render", "rgb.nrrd", "--iso", "0.2", "--method", "surface", *size, "-o", "a.png").message,
              "volumes.rgb: the colours of samples are not drawn", "raycast")

@@ -243,6 +243,31 @@ def test_picking_says_where_and_which_part():
     assert abs(at["value"] - (3 + 2 * at["world"][0])) < 1e-5, at
 
 
+def test_surfaces_that_meet_have_different_colours():
+    write_ball("head.nrrd", 24)
+    write_ball("other.nrrd", 24)
+    write_ply("ball.ply", *sphere(5, 32, (50, 12, 12)))
+    look = ["--no-shading", "--view", "front", "--size", "120x60", "--spp", 1, "--overwrite", "--background", "black"]
+    beside = ["--set", "volumes.other.place.position=[40,0,0]"]
+    def colors(*words):
+        ok("render", *words, *look, "-o", "a.png")
+        ok("render", "a.png", "-o", "b.png", "--overwrite")
+        assert png_pixels("a.png") == png_pixels("b.png")
+        seen, n = numpy.unique(numpy.asarray(Image.open("a.png").convert("RGB")).reshape(-1, 3), axis=0, return_counts=True)
+        return {"#%02x%02x%02x" % tuple(c) for c, k in zip(seen, n) if k > 60} - {"#000000"}
+    beige = "#e6dcc8"
+    for shown in (["--iso", 60], ["--threshold", "60.."], ["--iso", 60, "--method", "surface"], ["--threshold", "60..", "--method", "surface"]):
+        for one in (["head.nrrd"], ["ball.ply"]):
+            assert colors(*one, *(shown if one == ["head.nrrd"] else [])) == {beige}, one
+        for two in (["head.nrrd", "ball.ply"], ["head.nrrd", "other.nrrd", *beside]):
+            several = colors(*two, *shown)
+            assert len(several) == 2 and beige in several, (two, shown, several)
+        three = colors("head.nrrd", "other.nrrd", "ball.ply", *shown, *beside, "--set", "volumes.ball.place.position=[40,0,0]")
+        assert len(three) == 3, (shown, three)
+        given = colors("head.nrrd", "ball.ply", *shown, "--color", "ball=#e6dcc8")
+        assert given == {beige}, given
+
+
 def test_normals_of_meshes_that_are_picked_are_those_of_the_layer():
     """Of the sphere itself, that the vertices are on, and not of its triangles; triangles at sharp edges are flat."""
     write_ply("ball.ply", *sphere(5, 24))
