@@ -103,6 +103,10 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 
 /** Colours by the values of another field, which is loaded. */
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
+/** Of a loaded paint: whether its values are labels, which nobody says. */
+vv_status vvi_sense_label_paint(const vvi_cast *cast, vv_job *job);
+/** Colours of labels, where nobody gave other ones; out: whether they are. */
+vv_status vvi_resolve_label_paint(bool *out, const vvi_cast *cast, const vv_dataset *dataset, vv_job *job);
 /** The actor's paint, where its volume has one: another dataset that gives the colours, loaded, and placed as the
  * volume is. */
 vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);

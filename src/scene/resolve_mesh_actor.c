@@ -137,6 +137,16 @@ static bool mostly_constant(const vv_mesh_info *m)
     return most != 0 && n >= m->n_vertices - m->n_vertices / 4;
 }
 
+/* Whether a label paints: 0 without a row does not. */
+static bool is_painted(const vv_mesh_actor *shape, double value)
+{
+    const vv_classification *c = &shape->look.classes;
+    bool some = value != 0 || !shape->look.paint.nearest;
+    for (size_t i = 0; i < c->n_color && !some; i++)
+        some = c->color[4 * i] == 0;
+    return some;
+}
+
 /* Vertices without a value are of the volume's own colour. */
 static vv_status color_vertices(vv_mesh_actor *shape, vv_job *job)
 {
@@ -151,8 +161,9 @@ static vv_status color_vertices(vv_mesh_actor *shape, vv_job *job)
     for (size_t i = 0; i < m->n_vertices; i++) {
         double rgbk[4];
         vvi_transfer_evaluate(rgbk, &classes, (double)m->values[i]);
+        const bool painted = !isnan(m->values[i]) && is_painted(shape, (double)m->values[i]);
         for (int c = 0; c < 3; c++) {
-            const double linear = isnan(m->values[i]) ? (double)shape->look.color[c] : rgbk[c];
+            const double linear = painted ? rgbk[c] : (double)shape->look.color[c];
             colors[4 * i + (size_t)c] = (uint8_t)(255 * vv_srgb_encode(fmin(fmax(linear, 0), 1)) + 0.5);
         }
         colors[4 * i + 3] = 255;
