@@ -24,7 +24,7 @@ typedef struct vv_picked {
     vv_vec3 index;    /**< sample coordinates of the volume's data */
     double value;     /**< of the data there, between samples as the volume is shown */
     vv_vec3 gradient; /**< value by world length */
-    vv_vec3 normal;   /**< towards the eye, length 1; 0 where the values do not change */
+    vv_vec3 normal;   /**< towards the eye, length 1, as in the layer; 0 where the values do not change */
     bool labelled;    /**< the volume shows labels */
     vv_label_id label;
     bool is_mesh;        /**< the volume shows a mesh: index is a place in its own space, value that of its vertices, or

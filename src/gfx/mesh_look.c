@@ -6,7 +6,8 @@ vvi_gfx_surface vvi_gfx_surface_of(vv_mesh_info *shown, const vv_mesh_actor *act
 {
     const float *c = actor->look.color;
     const bool plain = actor->textures && !actor->one_color && !actor->colors;
-    const bool by_value = actor->colors && !actor->one_color && actor->look.classes.n_color;
+    const bool by_value = actor->colors && !actor->one_color && actor->look.classes.n_color &&
+                          !actor->look.paint.nearest; /* between two labels there is no third */
     *shown = *vv_mesh_get_info(actor->mesh);
     if (actor->colors)
         shown->colors = actor->colors;

@@ -134,14 +134,12 @@ static vv_status draw_whole(picking *p)
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
 
-/* The value where a ray meets a triangle: by the areas between the place and the corners. */
-static double value_at(const vv_mesh_actor *shape, const vvi_gfx_picked *at)
+/* Where a ray meets a triangle, the shares of its corners: by the areas between the place and these. */
+static void shares_at(double out[3], const vv_mesh_actor *shape, const vvi_gfx_picked *at)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
-    if (!m->values)
-        return NAN;
     const uint32_t *v = m->triangles + 3 * (size_t)at->primitive;
-    double sum = 0, all = 0;
+    double all = 0;
     vv_vec3 side[3];
     for (int k = 0; k < 3; k++) {
         const float *p = m->positions + 3 * (size_t)v[k];
@@ -149,11 +147,28 @@ static double value_at(const vv_mesh_actor *shape, const vvi_gfx_picked *at)
         side[k] = vvi_sub(vv_affine_point(shape->place, corner), at->world);
     }
     for (int k = 0; k < 3; k++) {
-        const double share = vvi_dot(vvi_cross(side[(k + 1) % 3], side[(k + 2) % 3]), at->normal);
-        sum += share * (double)m->values[v[k]];
-        all += share;
+        out[k] = vvi_dot(vvi_cross(side[(k + 1) % 3], side[(k + 2) % 3]), at->normal);
+        all += out[k];
     }
-    return sum / all;
+    for (int k = 0; k < 3; k++)
+        out[k] /= all;
+}
+
+static double value_at(const vv_mesh_info *m, uint32_t triangle, const double share[3])
+{
+    double sum = 0;
+    for (int k = 0; k < 3 && m->values; k++)
+        sum += share[k] * (double)m->values[m->triangles[3 * (size_t)triangle + (size_t)k]];
+    return m->values ? sum : NAN;
+}
+
+/* The one that is lit, as layers have it, towards the eye. */
+static vv_vec3 normal_to(vv_vec3 way, const vv_mesh_actor *shape, const vvi_gfx_picked *at, const double share[3])
+{
+    vv_vec3 normal;
+    if (!vvi_gfx_normal_at(&normal, vv_mesh_get_info(shape->mesh), &shape->place, at->primitive, share, false))
+        normal = at->normal;
+    return vvi_dot(normal, way) > 0 ? vvi_scaled(normal, -1) : normal;
 }
 
 static void name_part(vv_picked *out, const vv_mesh_info *m, uint32_t triangle)
@@ -176,6 +191,7 @@ static void take_hit(vv_picked *out, const picking *p, const vvi_gfx_picked *at)
     const size_t i = at->id - scene->n_actors - 1, n = scene->n_mesh_actors;
     const vv_mesh_actor *shape = drawn_shape(p, i);
     vv_affine to_mesh;
+    double share[3];
     out->id = (uint32_t)(scene->n_actors + (i < n ? i : p->caps.cap[i - n].owner) + 1);
     out->volume = shape->look.id;
     out->is_mesh = true;
@@ -183,8 +199,9 @@ static void take_hit(vv_picked *out, const picking *p, const vvi_gfx_picked *at)
     out->depth = at->depth;
     out->world = at->world;
     const vv_vec3 way = scene->lens.parallel ? scene->lens.forward : vvi_sub(at->world, scene->lens.eye);
-    out->normal = vvi_dot(at->normal, way) > 0 ? vvi_scaled(at->normal, -1) : at->normal;
-    out->value = value_at(shape, at);
+    shares_at(share, shape, at);
+    out->normal = normal_to(way, shape, at, share);
+    out->value = value_at(vv_mesh_get_info(shape->mesh), at->primitive, share);
     if (vv_affine_invert(&to_mesh, shape->place))
         out->index = vv_affine_point(to_mesh, at->world);
     name_part(out, vv_mesh_get_info(shape->mesh), at->primitive);

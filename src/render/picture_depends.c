@@ -92,6 +92,14 @@ static vv_status add_field(uint64_t *hash, const vv_field *field, bool lasting, 
     return st;
 }
 
+/* Colours of labels may be those of a volume that is not seen. */
+static uint64_t hash_paint(const vv_paint *paint, uint64_t hash)
+{
+    for (size_t i = 0; paint->field && i < 4 * paint->n_color; i++)
+        hash = vvi_hash_f64(paint->color[i], hash);
+    return hash;
+}
+
 static vv_status add_actor(uint64_t *hash, const vv_actor *actor, bool lasting, vv_job *job)
 {
     vv_status st = add_field(hash, actor->field, lasting, job);
@@ -99,6 +107,7 @@ static vv_status add_actor(uint64_t *hash, const vv_actor *actor, bool lasting, 
         st = add_field(hash, actor->colors, lasting, job);
     if (st == VV_OK)
         st = add_field(hash, actor->paint.field, lasting, job);
+    *hash = hash_paint(&actor->paint, *hash);
     *hash = hash_place(&actor->index_to_world, *hash);
     *hash = hash_place(&actor->paint.index_to_world, *hash);
     if (actor->texture.image)
@@ -115,6 +124,7 @@ vv_status vvi_picture_depends(uint64_t *out, const vv_picture *picture, bool las
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++)
         st = add_actor(&hash, &scene->actors[i], lasting, job);
     for (size_t i = 0; i < scene->n_mesh_actors; i++) {
+        hash = hash_paint(&scene->mesh_actors[i].look.paint, hash);
         hash = hash_place(&scene->mesh_actors[i].place, hash);
         hash = vvi_hash_u64(vv_mesh_checksum(scene->mesh_actors[i].mesh), hash);
     }

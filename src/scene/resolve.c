@@ -142,7 +142,7 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     if (st == VV_OK && !renderer->plane)
         vvi_veil_amounts(&r->scene, job);
     if (st == VV_OK)
-        st = vvi_tell_mesh_actors_apart(&r->scene, job);
+        st = vvi_tell_actors_apart(&r->scene, job);
     for (size_t i = 0; i < r->scene.n_actors && st == VV_OK; i++)
         vvi_resolve_slices(&r->scene, i);
     if (r->scene.n_mesh_actors && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))

@@ -59,8 +59,9 @@ void vvi_veil_amounts(vv_scene *scene, vv_job *job);
 /** Mesh, normals, place, planes, shading, colours. What was made is in the shape, on failure too. */
 vv_status vvi_resolve_mesh_actor(vv_mesh_actor *shape, double *load_s, const vv_world *world, const char *id,
                                  const vv_volume *volume, vv_job *job);
-/** Where meshes and parts of meshes that nobody gave a colour are more than one, each gets its own: those of labels. */
-vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job);
+/** Where surfaces of volumes, meshes and parts of meshes that nobody gave a colour are more than one, each gets its
+ * own: those of labels; the first volume keeps that of one alone. */
+vv_status vvi_tell_actors_apart(vv_scene *scene, vv_job *job);
 void vvi_shape_finish(vv_mesh_actor *shape);
 
 /** Of a scene that has its view, renderer and actors: its layers, how many rays per pixel gets, and when that is
@@ -102,6 +103,10 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 
 /** Colours by the values of another field, which is loaded. */
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
+/** Of a loaded paint: whether its values are labels, which nobody says. */
+vv_status vvi_sense_label_paint(const vvi_cast *cast, vv_job *job);
+/** Colours of labels, where nobody gave other ones; out: whether they are. */
+vv_status vvi_resolve_label_paint(bool *out, const vvi_cast *cast, const vv_dataset *dataset, vv_job *job);
 /** The actor's paint, where its volume has one: another dataset that gives the colours, loaded, and placed as the
  * volume is. */
 vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);

@@ -208,7 +208,7 @@ vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job 
         return fail_at(cast->path, "paint.data", VV_E_NOT_FOUND, text);
     }
     vv_field *field = NULL;
-    const vv_status st = vv_dataset_field(&field, cast->world, dataset, paint->attribute, paint->frame, job);
+    vv_status st = vv_dataset_field(&field, cast->world, dataset, paint->attribute, paint->frame, job);
     if (st != VV_OK)
         return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s.paint", cast->path);
     out->field = field;
@@ -220,7 +220,10 @@ vv_status vvi_load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job 
     out->component = (int)paint->component;
     out->nearest = info->meaning == VV_MEANING_LABEL;
     out->index_to_world = placed(info->grid.index_to_world, info->grid.unit, data_to_world, cast->world);
-    return vvi_resolve_paint(cast, job);
+    bool done = false;
+    if ((st = vvi_sense_label_paint(cast, job)) == VV_OK)
+        st = vvi_resolve_label_paint(&done, cast, dataset, job);
+    return st == VV_OK && !done ? vvi_resolve_paint(cast, job) : st;
 }
 
 /* Labels are never mixed; and one slice has thickness only where values reach half a sample beyond it. */

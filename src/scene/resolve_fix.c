@@ -74,7 +74,8 @@ static void fix_classes(writer *w, const vv_actor *actor)
 {
     static const char *const kinds[] = {"transfer", "threshold", "labels"};
     const vv_classification *c = &actor->classes;
-    put_word(w, "segmentation.kind", actor->colors ? "colors" : kinds[c->kind]);
+    const bool colors = actor->colors && c->kind != VV_SEGMENT_THRESHOLD; /* a solid is of them anyhow */
+    put_word(w, "segmentation.kind", colors ? "colors" : kinds[c->kind]);
     if (actor->colors)
         put_word(w, "segmentation.colors.encoding", actor->colors_encoded ? "srgb" : "linear");
     if (c->kind == VV_SEGMENT_THRESHOLD) {

@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "gfx/texture.h"
-#include "grid/label_color.h"
 #include "grid/mesh.h"
 #include "grid/mesh_normals.h"
 #include "scene/resolve.h"
@@ -138,6 +137,16 @@ static bool mostly_constant(const vv_mesh_info *m)
     return most != 0 && n >= m->n_vertices - m->n_vertices / 4;
 }
 
+/* Whether a label paints: 0 without a row does not. */
+static bool is_painted(const vv_mesh_actor *shape, double value)
+{
+    const vv_classification *c = &shape->look.classes;
+    bool some = value != 0 || !shape->look.paint.nearest;
+    for (size_t i = 0; i < c->n_color && !some; i++)
+        some = c->color[4 * i] == 0;
+    return some;
+}
+
 /* Vertices without a value are of the volume's own colour. */
 static vv_status color_vertices(vv_mesh_actor *shape, vv_job *job)
 {
@@ -152,8 +161,9 @@ static vv_status color_vertices(vv_mesh_actor *shape, vv_job *job)
     for (size_t i = 0; i < m->n_vertices; i++) {
         double rgbk[4];
         vvi_transfer_evaluate(rgbk, &classes, (double)m->values[i]);
+        const bool painted = !isnan(m->values[i]) && is_painted(shape, (double)m->values[i]);
         for (int c = 0; c < 3; c++) {
-            const double linear = isnan(m->values[i]) ? (double)shape->look.color[c] : rgbk[c];
+            const double linear = painted ? rgbk[c] : (double)shape->look.color[c];
             colors[4 * i + (size_t)c] = (uint8_t)(255 * vv_srgb_encode(fmin(fmax(linear, 0), 1)) + 0.5);
         }
         colors[4 * i + 3] = 255;
@@ -245,61 +255,6 @@ static vv_status paint_mesh(vv_mesh_actor *shape, const vvi_cast *cast, vv_job *
     shape->look.classes.n_color = paint->n_color;
     shape->opacity = cast->volume->color.a;
     return color_vertices(shape, job);
-}
-
-/* Parts that are shown in the colour that all have: those of several, or the whole. */
-static size_t count_plain(const vv_mesh_actor *shape)
-{
-    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
-    size_t n = 0;
-    if (shape->one_color || shape->colors || m->colors)
-        return 0;
-    for (size_t i = 0; i < m->n_parts; i++)
-        n += m->parts[i].color.a < 0 && !m->parts[i].texture;
-    return m->n_parts ? n : 1;
-}
-
-static vv_color next_color(int64_t *n_given)
-{
-    double rgb[3];
-    vvi_label_color(rgb, ++*n_given);
-    return (vv_color){rgb[0], rgb[1], rgb[2], 1};
-}
-
-static vv_status color_parts(vv_mesh_actor *shape, int64_t *n_given, vv_job *job)
-{
-    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
-    const size_t bytes = m->n_parts * sizeof *m->parts;
-    vv_mesh_part *parts = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
-    shape->parts = parts;
-    if (!parts)
-        return vv_fail_memory(bytes);
-    memcpy(parts, m->parts, bytes);
-    for (size_t i = 0; i < m->n_parts; i++)
-        if (parts[i].color.a < 0 && !parts[i].texture)
-            parts[i].color = next_color(n_given);
-    return VV_OK;
-}
-
-vv_status vvi_tell_mesh_actors_apart(vv_scene *scene, vv_job *job)
-{
-    vv_status st = VV_OK;
-    size_t n = 0;
-    int64_t n_given = 0;
-    for (size_t i = 0; i < scene->n_mesh_actors; i++)
-        n += count_plain(&scene->mesh_actors[i]);
-    for (size_t i = 0; i < scene->n_mesh_actors && n > 1 && st == VV_OK; i++) {
-        vv_mesh_actor *shape = &scene->mesh_actors[i];
-        if (!count_plain(shape))
-            continue;
-        if (vv_mesh_get_info(shape->mesh)->n_parts > 1) {
-            st = color_parts(shape, &n_given, job);
-            continue;
-        }
-        const vv_color c = next_color(&n_given);
-        shape->look.color[0] = (float)c.r, shape->look.color[1] = (float)c.g, shape->look.color[2] = (float)c.b;
-    }
-    return st;
 }
 
 static bool has_textures(const vv_mesh_info *m)

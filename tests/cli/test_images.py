@@ -6,7 +6,7 @@ import struct
 import numpy
 from PIL import Image
 import exr
-from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball, write_cells
+from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball, write_cells, write_nrrd
 
 SMALL = ["--size", "65x33"]
 
@@ -235,10 +235,40 @@ def test_solids_of_colours_are_what_isosurfaces_of_them_are():
         shown = (surface.sum(axis=2) > 0) & (solid.sum(axis=2) > 0)
         assert shown.sum() > 1000 and abs(surface - solid)[shown].mean() < 4, (channels, abs(surface - solid)[shown].mean())
         assert (solid.max(axis=2) - solid.min(axis=2))[shown].mean() > 25, "one colour"
+        ok("render", "rgb.nrrd", "--threshold", "0.2..", *size, "-o", "first.png")
+        ok("render", "first.png", "--overwrite", "-o", "again.png")
+        assert png_pixels("first.png") == png_pixels("again.png")
         says(ok("render", "rgb.nrrd", "--threshold", "100..", *size, "-o", "a.png").message, "nothing is seen")
         says(ok("render", "rgb.nrrd", "--iso", "0.2", "--method", "surface", *size, "-o", "a.png").message,
              "volumes.rgb: the colours of samples are not drawn", "raycast")
         ok("render", "rgb.nrrd", "--set", "volumes.rgb.component=0", "--threshold", "100..", *size, "-o", "a.png")
+
+
+def test_paint_by_labels_has_the_colours_of_the_labels():
+    """Those that the labels are shown in, from their own table or without one; label 0 leaves the volume's own."""
+    label = lambda x, y, z: (x // 6 * 7 + y // 6 * 13 + z // 6 * 5) % 16
+    write_ball("head.nrrd", 24)
+    write_nrrd("parts.nrrd", (24, 24, 24), label)
+    look = ["--no-shading", "--size", "90", "--spp", 1, "--overwrite", "--view", "30,20", "-o", "a.png"]
+    def colors(*words):
+        ok("render", *words, *look)
+        seen, n = numpy.unique(numpy.asarray(Image.open("a.png").convert("RGB")).reshape(-1, 3), axis=0, return_counts=True)
+        return {tuple(c) for c, k in zip(seen.tolist(), n) if k > 3} - {(0, 0, 0)}
+    beige, red = (0xe6, 0xdc, 0xc8), (255, 0, 0)
+    paint = ["--set", 'datasets.parts={"path": "parts.nrrd"}', "--set", 'volumes.head.paint={"data": "parts"}']
+    table = ["--set", "volumes.parts.segmentation.labels.table=[[3, 1, 0, 0, 1], [7, 1, 0, 0, 1]]"]
+    labels = colors("parts.nrrd", "--set", "volumes.parts.segmentation.labels.opacity=1")
+    assert len(labels) > 10, labels
+    for surface in (["--iso", 60], ["--threshold", "60.."]):
+        painted = colors("head.nrrd", *surface, *paint)
+        assert beige in painted and len(painted) > 8 and painted - {beige} <= labels, (painted, labels)
+        ok("render", "head.nrrd", *surface, *paint, *look)
+        ok("render", "a.png", "-o", "b.png", "--overwrite")
+        assert png_pixels("a.png") == png_pixels("b.png")
+        both = colors("head.nrrd", "parts.nrrd", *(surface if surface[0] == "--iso" else ["--threshold", "head=60.."]), *table,
+                      "--set", 'volumes.head.paint={"data": "parts"}', "--set", "volumes.parts.visible=false")
+        assert red in both and beige in both and both - {red} < painted, both
+    assert not colors("head.nrrd", "--iso", 60, *paint, "--set", "volumes.head.paint.colormap=gray") & (labels - {beige})
 
 
 def test_means_of_something_small_are_seen_at_once():

@@ -243,6 +243,53 @@ def test_picking_says_where_and_which_part():
     assert abs(at["value"] - (3 + 2 * at["world"][0])) < 1e-5, at
 
 
+def test_surfaces_that_meet_have_different_colours():
+    write_ball("head.nrrd", 24)
+    write_ball("other.nrrd", 24)
+    write_ply("ball.ply", *sphere(5, 32, (50, 12, 12)))
+    look = ["--no-shading", "--view", "front", "--size", "120x60", "--spp", 1, "--overwrite", "--background", "black"]
+    beside = ["--set", "volumes.other.place.position=[40,0,0]"]
+    def colors(*words):
+        ok("render", *words, *look, "-o", "a.png")
+        ok("render", "a.png", "-o", "b.png", "--overwrite")
+        assert png_pixels("a.png") == png_pixels("b.png")
+        seen, n = numpy.unique(numpy.asarray(Image.open("a.png").convert("RGB")).reshape(-1, 3), axis=0, return_counts=True)
+        return {"#%02x%02x%02x" % tuple(c) for c, k in zip(seen, n) if k > 60} - {"#000000"}
+    beige = "#e6dcc8"
+    for shown in (["--iso", 60], ["--threshold", "60.."], ["--iso", 60, "--method", "surface"], ["--threshold", "60..", "--method", "surface"]):
+        for one in (["head.nrrd"], ["ball.ply"]):
+            assert colors(*one, *(shown if one == ["head.nrrd"] else [])) == {beige}, one
+        for two in (["head.nrrd", "ball.ply"], ["head.nrrd", "other.nrrd", *beside]):
+            several = colors(*two, *shown)
+            assert len(several) == 2 and beige in several, (two, shown, several)
+        three = colors("head.nrrd", "other.nrrd", "ball.ply", *shown, *beside, "--set", "volumes.ball.place.position=[40,0,0]")
+        assert len(three) == 3, (shown, three)
+        given = colors("head.nrrd", "ball.ply", *shown, "--color", "ball=#e6dcc8")
+        assert given == {beige}, given
+
+
+def test_normals_of_meshes_that_are_picked_are_those_of_the_layer():
+    """Of the sphere itself, that the vertices are on, and not of its triangles; triangles at sharp edges are flat."""
+    write_ply("ball.ply", *sphere(5, 24))
+    write_box("box.ply")
+    places = [(x, y) for x in range(2, 60, 7) for y in range(2, 60, 7)]
+    for name, method in itertools.product(("ball", "box"), ("surface", "raycast")):
+        look = [f"{name}.ply", "--size", "60x60", "--spp", "1", "--method", method, "--view", "30,20"]
+        ok("render", *look, "--aov", "normal", "-o", "a.exr", "--overwrite")
+        layer = exr.read("a.exr")[1]
+        look = [word for word in look if word not in ("--spp", "1")]
+        told = ok("pick", *look, *(word for p in places for word in ("--pixel", f"{p[0]},{p[1]}")), "--json").json["pixels"]
+        hits = 0
+        for (x, y), p in zip(places, told):
+            if p["hit"]:
+                seen = numpy.array([layer["normal." + axis][y, x] for axis in "XYZ"])
+                assert abs(seen - p["normal"]).max() < 2e-3, (name, method, x, y, seen, p["normal"])
+                hits += 1
+                if name == "ball":
+                    assert numpy.dot(p["normal"], p["world"]) / numpy.linalg.norm(p["world"]) > 0.9995
+        assert hits > 15
+
+
 def test_picking_meets_translucent_meshes_where_half_of_the_light_is_gone():
     files = [f"{name}.ply" for name in ("top", "middle", "bottom")]
     for file, z in zip(files, (3, 2, 1)):

@@ -79,6 +79,7 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_paint *pain
     vf row[4];
     m = vm_and(m, vf_eq(value, value));
     vf_rows4(row, paint->color, entry);
+    m = vm_and(m, vf_lt(row[3], vf_set1(VVI_PAINT_LEAVES)));
     VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_select(m, row[c], rgb[c]);

@@ -105,11 +105,14 @@ typedef enum vvi_paint_kind {
     VVI_PAINT_MAP     /**< another volume's values, through a table */
 } vvi_paint_kind;
 
+#define VVI_PAINT_LEAVES 1.0f
+
 typedef struct vvi_paint {
     int kind;
     bool nearest;
     vvi_lattice lattice; /**< colours: offsets count samples, of 8 bytes */
-    /* map: from the volume's index space to its own, where it has samples in [lo, hi]; rows of r, g, b, unused */
+    /* map: from the volume's index space to its own, where it has samples in [lo, hi]; rows of r, g, b and
+     * VVI_PAINT_LEAVES where the colours that were there stay, else 0 */
     float from_index[3][4], lo[3], hi[3];
     const float *color;
     float entry_scale, entry_shift;

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "render/raycast/prepare.h"
 #include "scene/colors.h"
+#include "scene/label_ids.h"
 #include <math.h>
 #include <string.h>
 
@@ -31,27 +32,44 @@ static vv_status open_colors(vvi_raycast_volume *v, vv_job *job)
     return VV_OK;
 }
 
-/* Colours by value over those between which they change. */
+static bool has_row(const vv_paint *paint, double value)
+{
+    for (size_t i = 0; i < paint->n_color; i++)
+        if (paint->color[4 * i] == value)
+            return true;
+    return false;
+}
+
+/* Colours by value over those between which they change; of labels one for each, where 0 without a row has none: the
+ * volume's own are left there. */
 static vv_status make_map(vvi_raycast_volume *v, vv_job *job)
 {
     const vv_paint *from = &v->actor->paint;
     const vv_classification classes = {.kind = VV_SEGMENT_TRANSFER, .color = from->color, .n_color = from->n_color};
     double lo = from->color[0], hi = from->color[4 * (from->n_color - 1)];
+    const bool zero = from->nearest && !has_row(from, 0);
+    const double first = floor(zero ? fmin(lo, 0) : lo), last = ceil(zero ? fmax(hi, 0) : hi);
+    const bool labels = from->nearest && last - first < VVI_LABEL_IDS_MOST;
     const double most = fmax(fabs(lo - v->paint.value_offset), fabs(hi - v->paint.value_offset));
-    vvi_transfer_around(&lo, &hi, ROWS, vvi_transfer_least_row(most, fabs(v->paint.value_scale)));
-    const double scale = (ROWS - 1) / (hi - lo);
+    if (labels)
+        lo = first, hi = last;
+    else
+        vvi_transfer_around(&lo, &hi, ROWS, vvi_transfer_least_row(most, fabs(v->paint.value_scale)));
+    const size_t n = labels ? (size_t)(hi - lo) + 1 : ROWS;
+    const double scale = labels ? 1 : (ROWS - 1) / (hi - lo);
     vvi_paint *paint = &v->ray.paint;
-    v->paint_color = vvi_alloc(job, (ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color, VVI_MEM_SCRATCH);
+    v->paint_color = vvi_alloc(job, (n * 4 + GUARD_FLOATS) * sizeof *v->paint_color, VVI_MEM_SCRATCH);
     if (!v->paint_color)
-        return vv_fail_memory((ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color);
-    for (size_t i = 0; i < ROWS; i++) {
+        return vv_fail_memory((n * 4 + GUARD_FLOATS) * sizeof *v->paint_color);
+    for (size_t i = 0; i < n; i++) {
         double rgbk[4];
-        vvi_transfer_evaluate(rgbk, &classes, lo + (hi - lo) * (double)i / (ROWS - 1));
-        for (size_t c = 0; c < 4; c++)
+        vvi_transfer_evaluate(rgbk, &classes, labels ? lo + (double)i : lo + (hi - lo) * (double)i / (ROWS - 1));
+        for (size_t c = 0; c < 3; c++)
             v->paint_color[4 * i + c] = (float)rgbk[c];
+        v->paint_color[4 * i + 3] = labels && zero && lo + (double)i == 0 ? VVI_PAINT_LEAVES : 0;
     }
     paint->color = v->paint_color;
-    paint->n_entries = ROWS;
+    paint->n_entries = (int32_t)n;
     paint->entry_scale = (float)(v->paint.value_scale * scale);
     paint->entry_shift = (float)((v->paint.value_offset - lo) * scale + 0.5);
     return VV_OK;

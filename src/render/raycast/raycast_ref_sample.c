@@ -187,7 +187,7 @@ static void mapped_colors(double rgb[3], const vvi_paint *paint, const vv_paint 
         return;
     const double row = v * (double)paint->entry_scale + (double)paint->entry_shift;
     const float *entry = paint->color + 4 * (size_t)fmin(fmax(row, 0), paint->n_entries - 1);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3 && entry[3] < VVI_PAINT_LEAVES; i++)
         rgb[i] = (double)entry[i];
 }
 
