@@ -8,6 +8,7 @@
 #include "grid/mesh_normals.h"
 #include "scene/resolve.h"
 #include "scene/transfer.h"
+#include "surface/vertex_places.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,14 +31,14 @@ static float dot3(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Corners of sharp edges lose their normals, so that triangles there are flat and not rounded. */
-static vv_status find_creases(float *normals, const vv_mesh_info *m, vv_job *job)
+/* Corners of sharp edges lose their normals, so that triangles there are flat and not rounded. triangles: of places. */
+static vv_status find_creases(float *normals, const vv_mesh_info *m, const uint32_t *triangles, vv_job *job)
 {
     uint8_t *sharp = vvi_alloc_zeroed(job, m->n_vertices + 1, VVI_MEM_SCRATCH);
     if (!sharp)
         return vv_fail_memory(m->n_vertices + 1);
     for (size_t t = 0; t < m->n_triangles; t++) {
-        const uint32_t *v = m->triangles + 3 * t;
+        const uint32_t *v = triangles + 3 * t;
         const float *p = m->positions + 3 * (size_t)v[0];
         float a[3], b[3];
         sub3(a, m->positions + 3 * (size_t)v[1], p);
@@ -54,6 +55,31 @@ static vv_status find_creases(float *normals, const vv_mesh_info *m, vv_job *job
     return VV_OK;
 }
 
+/* Of vertices at one place, as along the seam of a map of the Earth, the first stands for all: no crease is there. */
+static vv_status find_normals(float *normals, const vv_mesh_info *m, vv_job *job)
+{
+    const size_t n = 3 * m->n_triangles, bytes = (n + 1) * sizeof *m->triangles;
+    uint32_t *place;
+    vv_status st = vvi_number_places(&place, m->positions, m->n_vertices, job);
+    if (st != VV_OK)
+        return st;
+    uint32_t *triangles = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!triangles)
+        st = vv_fail_memory(bytes);
+    for (size_t i = 0; i < n && triangles; i++)
+        triangles[i] = place[m->triangles[i]];
+    if (st == VV_OK)
+        st = vvi_normals_of(normals, m->positions, m->n_vertices, triangles, m->n_triangles, job);
+    if (st == VV_OK)
+        st = find_creases(normals, m, triangles, job);
+    for (size_t v = 0; v < m->n_vertices && st == VV_OK; v++)
+        if (place[v] != v)
+            memcpy(normals + 3 * v, normals + 3 * (size_t)place[v], 3 * sizeof *normals);
+    vvi_free(triangles);
+    vvi_free(place);
+    return st;
+}
+
 static vv_status make_normals(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const vv_mesh *mesh = user;
@@ -62,9 +88,7 @@ static vv_status make_normals(void **value_out, uint64_t *bytes_out, void *user,
     vv_mesh *copy = NULL;
     vv_status st = vvi_mesh_copy(&copy, &a, mesh, vvi_mesh_with(mesh) | VVI_MESH_NORMALS, job);
     if (st == VV_OK)
-        st = vvi_normals_of(a.normals, a.positions, m->n_vertices, a.triangles, m->n_triangles, job);
-    if (st == VV_OK)
-        st = find_creases(a.normals, vv_mesh_get_info(copy), job);
+        st = find_normals(a.normals, m, job);
     if (st != VV_OK) {
         vv_mesh_release(copy);
         return st;

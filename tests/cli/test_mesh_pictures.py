@@ -699,4 +699,32 @@ def test_a_mesh_is_no_volume():
     says(fails(3, "isosurface", "box.ply", "-o", "x.ply"), "box.ply", "mesh")
 
 
+def write_globe(path, seam):
+    """A sphere of 12 meridians, as a map of the Earth is wrapped around it: with `seam`, vertices of the first are there twice."""
+    across, down = 12, 6
+    columns = across + seam
+    points = [(math.sin(math.pi * j / down) * math.cos(2 * math.pi * (i % across) / across),
+               math.sin(math.pi * j / down) * math.sin(2 * math.pi * (i % across) / across), math.cos(math.pi * j / down))
+              for j in range(1, down) for i in range(columns)]
+    at = lambda i, j: (j - 1) * columns + i % columns
+    north, south, faces = len(points), len(points) + 1, []
+    for i in range(across):
+        faces += [(north, at(i, 1), at(i + 1, 1)), (south, at(i + 1, down - 1), at(i, down - 1))]
+        for j in range(1, down - 1):
+            faces += [(at(i, j), at(i, j + 1), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i + 1, j))]
+    points += [(0, 0, 1), (0, 0, -1)]
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"OFF\n{len(points)} {len(faces)} 0\n")
+        file.writelines("%.7g %.7g %.7g\n" % p for p in points)
+        file.writelines("3 %d %d %d\n" % f for f in faces)
+
+
+def test_the_seam_of_a_mesh_is_no_crease():
+    write_globe("whole.off", False)
+    write_globe("seam.off", True)
+    for name in ("whole", "seam"):
+        ok("render", f"{name}.off", "-o", f"{name}.png", "--size", "200", "--view", "+x")
+    ok("compare", "whole.png", "seam.png", "--max-difference", "0.02")
+
+
 main()
