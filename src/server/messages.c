@@ -108,6 +108,7 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
     welcome(client);
     client->greeted = client->tells_world = true;
     tell_lost(client);
+    vvi_session_tell_problems(client);
     vvi_session_tell_number(client->session);
     vvi_client_want(client, true, now);
     return VV_OK;

@@ -1,4 +1,5 @@
 """What goes wrong around a server while people work: files that shrink, disks that are full, journals that cannot be played."""
+import contextlib
 import json
 import os
 import resource
@@ -6,7 +7,8 @@ import shutil
 import signal
 import subprocess
 
-from harness import VOLVIS, environment, fails, main, ok, write_ball, write_large
+import served
+from harness import VOLVIS, Skip, environment, fails, main, ok, write_ball, write_large
 from page import Page, Server, run
 from wire import wait_for
 
@@ -274,6 +276,52 @@ def test_an_upload_on_a_full_disk_is_told_and_leaves_nothing():
         assert len(found("x.bin")) == 1
     finally:
         server.end(signal.SIGINT)
+
+
+SMALL = """#!/bin/sh
+mkdir -p state
+exec unshare -rm sh -c 'mount -t tmpfs -o size=4m none state && exec "$@"' sh "{volvis}" "$@"
+"""
+
+
+def test_a_disk_that_is_really_full_is_told_to_all_also_to_those_who_come_and_in_the_audit():
+    write_ball(n=16)
+    if subprocess.run(["unshare", "-rm", "mount", "-t", "tmpfs", "none", "/tmp"], capture_output=True).returncode:
+        raise Skip("this system lets us mount no file system of our own")
+    with open("small", "w", encoding="ascii") as file:
+        file.write(SMALL.format(volvis=VOLVIS))
+    os.chmod("small", 0o755)
+
+    async def work(server, fill):
+        async with Page(server, 64, 64) as page:
+            await page.edit(("set", "title", "before"))
+            with open(fill, "wb", buffering=0) as file, contextlib.suppress(OSError):
+                while file.write(bytes(4096)):
+                    pass
+            for n in [1000] * 9 + [300] * 9 + [1] * 9:  # fill the block that the journal has, too
+                said = await page.answer("edit", edits=[{"op": "set", "path": "title", "value": "x" * n}])
+            assert "not made" in said["error"], said
+            async with Page(server, 64, 64) as newcomer:
+                await newcomer.until(lambda: told(newcomer, "not made", "error"))
+            dataset = next(iter(page.world["world"]["datasets"]))
+            said = await page.refused("run", operation="gaussian", dataset=dataset, parameters={"sigma": 1})
+            assert "disk is full" in said, said
+            code, _, said = server.request("/files/x.bin", b"x" * 9000, method="PUT", Cookie=server.cookie())
+            assert code == 507 and b"disk is full" in said, (code, said)
+            os.remove(fill)
+            await page.edit(("set", "title", "after"))
+            async with Page(server, 64, 64) as newcomer:
+                await newcomer.heard()
+                assert not told(newcomer, "not made", "error")
+    whole, served.VOLVIS = served.VOLVIS, os.path.abspath("small")
+    try:
+        with Server("head.nrrd", "--audit", "audit.jsonl") as server:
+            run(work(server, f"/proc/{server.process.pid}/root{os.path.abspath('state')}/fill"))
+    finally:
+        served.VOLVIS = whole
+    with open("audit.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    assert [line.get("refused") for line in lines if line["what"] == "run"] == [True], lines
 
 
 def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
