@@ -101,9 +101,9 @@ void vvi_session_upload_came(vvi_session *session, int64_t bytes, bool named);
 void vvi_files_remove(const char *path);
 /** Where it is written down who came and what they opened; NULL: nowhere. */
 struct vvi_audit *vvi_session_audit(vvi_session *session);
-/** A picture that was asked for or a file of a shape, by its number, opened to be read; -1: there is none. The name is
+/** A picture that was asked for or a file of a shape, by NUMBER/NAME, opened to be read; -1: there is none. The name is
  * borrowed. */
-int vvi_session_open_result(const vvi_session *session, int64_t number, const char **name_out);
+int vvi_session_open_result(const vvi_session *session, const char *place, const char **name_out);
 /** Nanoseconds of a clock that never runs back: what every `now` of a session is. */
 int64_t vvi_now(void);
 #endif
