@@ -226,7 +226,7 @@ def test_a_full_disk_refuses_changes_before_they_are_made_and_goes_on_when_there
             await page.edit(("set", "title", "before"))
             server.disk(os.path.getsize(found("journal.jsonl")[0]))
             said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "full"}])
-            assert "File too large" in said and "not made" in said, said
+            assert "File too large" in said and "not made" in said and "ulimit -f" in said, said  # no room helps there
             await page.until(lambda: page.world["world"].get("title") == "before")
             await other.until(lambda: told(other, "not made", "error"))
             said = await page.refused("undo")
@@ -276,6 +276,22 @@ def test_an_upload_on_a_full_disk_is_told_and_leaves_nothing():
         assert len(found("x.bin")) == 1
     finally:
         server.end(signal.SIGINT)
+
+
+def test_an_uploaded_scene_that_names_what_was_not_uploaded_is_told_so():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server, 64, 64) as page:
+            scene = json.dumps({"schema": 1, "datasets": {"d": {"path": "beside.nrrd"}}, "volumes": {"v": {"data": "d"}}})
+            code, _, said = server.request("/files/s.vv.json", scene.encode(), method="PUT", Cookie=server.cookie())
+            assert code == 201, said
+            answer = await page.answer("open", path=json.loads(said)["path"])
+            said = answer["error"] if not answer["ok"] else await page.until(
+                lambda: next((m["text"] for m in page.messages if m["type"] == "failed"), None))
+            assert "beside.nrrd" in said and "was not uploaded beside" in said, said
+    with Server("head.nrrd") as server:
+        run(work(server))
 
 
 SMALL = """#!/bin/sh
@@ -390,7 +406,8 @@ def test_a_recording_on_a_full_disk_has_whole_lines_and_all_are_told():
     [at] = [i for i, line in enumerate(lines) if "lost" in line]
     assert "after" in json.dumps(lines[at + 1:]), lines
     said = fails(3, "replay", "session.jsonl", "-o", "again.vv.json")
-    assert f"line {at + 1}: {lines[at]['lost']} lines are missing" in said, said
+    n = lines[at]["lost"]
+    assert f"line {at + 1}: {n} line{' is' if n == 1 else 's are'} missing" in said, said
     with open("whole.jsonl", "w", encoding="utf-8") as file:
         file.writelines(json.dumps(line) + "\n" for line in lines[:at])
     ok("replay", "whole.jsonl", "-o", "again.vv.json")
