@@ -446,7 +446,7 @@ def test_files_of_a_session_that_were_removed_are_told_with_what_helps():
                 await page.edit(("set", "title", "after"))
                 await page.ask("run", dataset="head", **smooth)  # which needs no file of the session
                 said = await page.refused("run", dataset="mine", **smooth)
-                assert said.endswith("upload it, or run the operation that made it, again") and "state" not in said, said
+                assert said.endswith("upload all that belongs together at once, or run the operation that made it again") and "state" not in said, said
         run(work())
 
 
