@@ -286,8 +286,12 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
         .user = command,
     };
     char *root = NULL;
+    if ((st = vvi_server_options_check(&options)) != VV_OK)
+        return st;
+    if (serving->note)
+        cli_command_note(command, "%s", serving->note);
     if (command->common->dry_run)
-        return (st = vvi_server_options_check(&options)) == VV_OK ? describe(command, serving, o) : st;
+        return describe(command, serving, o);
     if ((st = cli_state_root(&root)) != VV_OK)
         return st;
     if ((st = open_server(&server, &options, command, root)) == VV_OK)

@@ -21,6 +21,7 @@ typedef struct cli_serving {
     int clients;
     bool read_only, opens_browser;
     double upload_most;
+    const char *note; /* that is told where all of it can be used; NULL: none */
 } cli_serving;
 
 /** The folder of all sessions' states, which need not be there; yours to free(). VV_E_WRITE where there is none that is

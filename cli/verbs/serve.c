@@ -32,7 +32,7 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
      .doc = "its key (PEM); only its owner may be able to read the file"},
     {VV_PROP(serve_options, root), .kind = VV_KIND_PATH, .automatic = "the folder that the program was started in",
-     .doc = "folder outside which no files are opened or written"},
+     .doc = "folder outside which no files are opened or written, but for the INPUTs, wherever they are"},
     {VV_PROP(serve_options, read_only), .kind = VV_KIND_BOOL,
      .doc = "users can look, and change nothing but their camera"},
     {VV_PROP(serve_options, clients), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 2000, .def = 200,
@@ -86,9 +86,9 @@ static vv_status run(cli_command *command)
             return st;
         serving.token = token;
     }
-    if (o->listen && strncmp(o->listen, "127.", 4) != 0 && !o->tls_cert)
-        cli_command_note(command, "other machines can reach this server, and the connection can be read by others: "
-                                  "give --tls-cert, or put an https proxy in front of it");
+    if (o->listen && strncmp(o->listen, "127.", 4) != 0 && strcmp(o->listen, "::1") != 0 && !o->tls_cert)
+        serving.note = "other machines can reach this server, and the connection can be read by others: "
+                       "give --tls-cert, or put an https proxy in front of it";
     return cli_serve(command, &serving);
 }
 
@@ -99,7 +99,8 @@ const cli_verb cli_verb_serve = {
     .doc = "the same page for users on other machines",
     .about =
         "Like view, but for a machine that others can reach: it opens no browser, and reads and writes nothing "
-        "outside --root. Whoever has the link can do what the page can; with --read-only they can only look. "
+        "outside --root but the INPUTs that it is given. Whoever has the link can do what the page can; with "
+        "--read-only they can only look. "
         "Volumes and meshes are read as with --safe; --no-safe reads them in the program, where large ones need no "
         "memory of their own.",
     .words = "INPUT ...",

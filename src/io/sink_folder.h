@@ -27,7 +27,8 @@ void vvi_sink_remove_folder(const char *path);
 /** In the names of folders that are being written, which nobody else gives: ".NAME.volvis.PROCESS-N.part". */
 #define VVI_SINK_OURS ".volvis"
 /** Temporary files and folders that programs which were killed left in the folder of an output, of whatever name: those
- * of processes that are no more, older than an hour, and that nobody has locked. Once for each folder of a job. */
+ * of processes that are no more, and that nobody has locked (where that cannot be known: older than an hour). Once for
+ * each folder of a job. */
 void vvi_sink_clear_leftovers(const char *path, vv_job *job);
 /** The folder that a path lies in: a rename lasts only when that is on the disk too. Some file systems cannot sync
  * folders: then there is nothing to be done, and the file is whole. */

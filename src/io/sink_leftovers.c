@@ -41,13 +41,17 @@ static bool is_left(const struct stat *info, long process)
     return info->st_uid == geteuid() && kill((pid_t)process, 0) != 0 && errno == ESRCH;
 }
 
-/* What says that it is ours; and those of this target, as older versions named them. */
-static bool is_our_folder(const char *name, size_t n, const char *target)
+/* What says that it is ours. */
+static bool is_our_folder(const char *name, size_t n)
 {
     const size_t m = strlen(VVI_SINK_OURS);
-    if (name[0] == '.' && n > m + 1 && memcmp(name + n - m, VVI_SINK_OURS, m) == 0)
-        return true;
-    return strlen(target) == n && strncmp(name, target, n) == 0;
+    return name[0] == '.' && n > m + 1 && memcmp(name + n - m, VVI_SINK_OURS, m) == 0;
+}
+
+/* Of this target, as older versions named them, which did not lock them. */
+static bool is_old_folder(const char *name, size_t n, const char *target, bool old)
+{
+    return old && strlen(target) == n && strncmp(name, target, n) == 0;
 }
 
 typedef enum state { FREE, LOCKED, UNKNOWN } state;
@@ -65,6 +69,11 @@ static state lock_of(int folder, const char *name, int flags)
     return found;
 }
 
+static bool is_free(state lock, bool old)
+{
+    return lock == FREE || (lock == UNKNOWN && old);
+}
+
 /* Hidden files, and folders of ours. */
 static void clear_one(int folder, const char *name, const char *target, const char *path, time_t now)
 {
@@ -75,11 +84,10 @@ static void clear_one(int folder, const char *name, const char *target, const ch
         return;
     const bool old = info.st_mtime < now - OLD_SECONDS;
     if (name[0] == '.' && S_ISREG(info.st_mode)) {
-        const state lock = lock_of(folder, name, O_RDWR);
-        if (lock == FREE || (lock == UNKNOWN && old))
+        if (is_free(lock_of(folder, name, O_RDWR), old))
             unlinkat(folder, name, 0);
-    } else if (S_ISDIR(info.st_mode) && old && is_our_folder(name, n, target) &&
-               lock_of(folder, name, O_RDONLY | O_DIRECTORY) != LOCKED) {
+    } else if (S_ISDIR(info.st_mode) && (is_our_folder(name, n) || is_old_folder(name, n, target, old)) &&
+               is_free(lock_of(folder, name, O_RDONLY | O_DIRECTORY), old)) {
         const char *slash = strrchr(path, '/');
         char *whole = vvi_asprintf("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
         if (whole)

@@ -123,6 +123,11 @@ vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
     return judge(s, bytes, taken(s), room_on_disk(s->uploads));
 }
 
+bool vvi_session_disk_holds(const vvi_session *s, uint64_t bytes)
+{
+    return bytes <= room_on_disk(s->uploads);
+}
+
 /* What pages write ------------------------------------------------------------------------------------------------ */
 
 /* Of a file, or of all files in a folder and those in it. */

@@ -140,8 +140,8 @@ static char *explain_gone(char *text)
     if (n < m || strcmp(text + n - m, end) != 0)
         return text;
     char *more =
-        vvi_asprintf("%.*s: is no longer there, as the files of this session were removed; upload it, or run the "
-                     "operation that made it, again",
+        vvi_asprintf("%.*s: is not there: it was not uploaded beside what names it, or the files of this session were "
+                     "removed; upload all that belongs together at once, or run the operation that made it again",
                      (int)(n - m), text);
     free(text);
     return more;

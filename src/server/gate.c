@@ -208,7 +208,7 @@ static bool equal_names(const char *a, const char *b)
 }
 
 /* A browser leaves out the port that its scheme has by itself. */
-static bool is_host(const vvi_gate *gate, const char *host)
+static bool is_host(const vvi_gate *gate, const vvi_request *r, const char *host)
 {
     char whole[300];
     if (!host || !*host || strnlen(host, 256) == 256)
@@ -217,7 +217,7 @@ static bool is_host(const vvi_gate *gate, const char *host)
     for (int i = 0; i < gate->n_hosts; i++)
         if (equal_names(whole, gate->host[i]))
             return true;
-    return false;
+    return r->here && *r->here && equal_names(whole, r->here);
 }
 
 bool vvi_gate_is_loopback(const char *host)
@@ -231,11 +231,12 @@ bool vvi_gate_is_loopback(const char *host)
     return false;
 }
 
-static bool is_origin(const vvi_gate *gate, const char *origin)
+static bool is_origin(const vvi_gate *gate, const vvi_request *r)
 {
+    const char *origin = r->origin;
     const char *scheme = gate->tls ? "https://" : "http://";
     const size_t n = strlen(scheme);
-    return strncmp(origin, scheme, n) == 0 && is_host(gate, origin + n);
+    return strncmp(origin, scheme, n) == 0 && is_host(gate, r, origin + n);
 }
 
 /* "a=b; volvis-8080=...; c=d" */
@@ -293,7 +294,7 @@ static bool is_blocked(vvi_gate *gate, const char *address, int64_t now)
 
 static bool comes_from_here(const vvi_gate *gate, const vvi_request *r)
 {
-    if (!is_host(gate, r->host) || (r->origin && !is_origin(gate, r->origin)))
+    if (!is_host(gate, r, r->host) || (r->origin && !is_origin(gate, r)))
         return false;
     return !r->fetch_site || strcmp(r->fetch_site, "same-origin") == 0 || strcmp(r->fetch_site, "none") == 0;
 }

@@ -19,6 +19,7 @@ typedef struct vvi_request {
     const char *bearer;     /**< what follows "Bearer " in Authorization */
     const char *cookie;     /**< the whole header */
     const char *address;    /**< of the peer, as text */
+    const char *here;       /**< number and port by which it has come: no page can give them to another machine */
 } vvi_request;
 
 /** Failures of one address within a second. */

@@ -108,11 +108,11 @@ static bool write_all(int fd, const char *text, size_t n, off_t at)
 
 static vv_status fail_full(const vvi_journal *j, int error)
 {
-    return vv_fail_at(
-        VV_E_WRITE, j->path, NULL,
-        "a change that cannot be kept for the case of a crash is not made: %s; make room on that disk and "
-        "do it again",
-        strerror(error));
+    return vv_fail_at(VV_E_WRITE, j->path, NULL,
+                      "a change that cannot be kept for the case of a crash is not made: %s; %s and do it again",
+                      strerror(error),
+                      error == EFBIG ? "raise the limit on the size of files (ulimit -f, prlimit --fsize)"
+                                     : "make room on that disk");
 }
 
 static vv_status fail_replaced(const vvi_journal *j)

@@ -24,14 +24,24 @@ static json_t *line_of(const vvi_session *session, const vv_world *world)
 }
 
 /* To all, when it begins (problem: why) and when it has ended (NULL). */
-static void tell_change(const vvi_session *session, bool *told, const char *problem, const char *over)
+static void tell_change(const vvi_session *session, char **told, const char *problem, const char *over)
 {
-    if (*told == (problem != NULL))
+    if ((*told != NULL) == (problem != NULL))
         return;
-    *told = problem != NULL;
+    free(*told);
+    *told = problem ? vvi_strdup(problem) : NULL;
     for (vvi_client *c = session->clients; c; c = c->next)
         if (c->greeted)
             vvi_client_notice(c, problem ? "error" : "info", problem ? problem : over);
+}
+
+void vvi_session_tell_problems(vvi_client *client)
+{
+    const vvi_session *s = client->session;
+    const char *const problems[] = {s->unkept, s->unaudited, s->unrecorded};
+    for (size_t i = 0; i < sizeof problems / sizeof *problems; i++)
+        if (problems[i])
+            vvi_client_notice(client, "error", problems[i]);
 }
 
 static void tell(vvi_session *session, vv_status st)

@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Pictures that are kept to be fetched, of all pages and of one. */
@@ -82,12 +83,17 @@ void vvi_made_files_leave(vvi_session *s, uint64_t serial)
     }
 }
 
-int vvi_session_open_result(const vvi_session *s, int64_t number, const char **name_out)
+/* NAME_MOST: of a name, that an address has at least. */
+enum { NAME_MOST = 64 };
+
+int vvi_session_open_result(const vvi_session *s, const char *place, const char **name_out)
 {
+    char *name = NULL;
+    const int64_t number = *place >= '1' && *place <= '9' ? strtoll(place, &name, 10) : 0;
     const vvi_made_file *f = s->files;
     while (f && f->number != number)
         f = f->next;
-    if (!f)
+    if (!f || !name || *name != '/' || strncmp(name + 1, f->name, NAME_MOST) != 0)
         return -1;
     const int fd = f->shape ? ((const vvi_page_shape_file *)vvi_cached_value(f->shape))->fd : f->memory.fd;
     *name_out = f->name;

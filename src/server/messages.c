@@ -108,6 +108,7 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
     welcome(client);
     client->greeted = client->tells_world = true;
     tell_lost(client);
+    vvi_session_tell_problems(client);
     vvi_session_tell_number(client->session);
     vvi_client_want(client, true, now);
     return VV_OK;
@@ -244,21 +245,22 @@ static vv_status browse(vvi_client *client, int64_t id, const json_t *message, i
 static const struct {
     const char *type;
     handler *take;
+    bool answers; /* itself; for others an answer says that it was taken, where one is wanted */
 } rows[] = {
-    {"hello", hello},
-    {"size", size},
-    {"events", vvi_message_events},
-    {"ack", vvi_message_ack},
-    {"edit", edit},
-    {"new", begin_anew},
-    {"undo", undo},
-    {"redo", redo},
-    {"action", vvi_message_action},
-    {"camera", vvi_message_camera},
-    {"browse", browse},
-    {"cancel", cancel},
-    {"frames", vvi_message_frames},
-    {"world", whole_world},
+    {"hello", hello, false},
+    {"size", size, false},
+    {"events", vvi_message_events, false},
+    {"ack", vvi_message_ack, false},
+    {"edit", edit, true},
+    {"new", begin_anew, true},
+    {"undo", undo, true},
+    {"redo", redo, true},
+    {"action", vvi_message_action, false},
+    {"camera", vvi_message_camera, false},
+    {"browse", browse, true},
+    {"cancel", cancel, true},
+    {"frames", vvi_message_frames, false},
+    {"world", whole_world, false},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */
@@ -289,8 +291,12 @@ static const struct {
 static vv_status dispatch(vvi_client *client, const char *type, int64_t id, const json_t *message, int64_t now)
 {
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        if (strcmp(rows[i].type, type) == 0)
-            return rows[i].take(client, id, message, now);
+        if (strcmp(rows[i].type, type) == 0) {
+            const vv_status st = rows[i].take(client, id, message, now);
+            if (st == VV_OK && !rows[i].answers)
+                vvi_client_answer(client, id, NULL);
+            return st;
+        }
     for (size_t i = 0; i < sizeof requests / sizeof *requests; i++) {
         if (strcmp(requests[i].type, type) != 0)
             continue;

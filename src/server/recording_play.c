@@ -167,10 +167,9 @@ static vv_status fail_lost(const player *p, json_int_t n)
     snprintf(where, sizeof where, "line %zu", p->line);
     snprintf(to_line, sizeof to_line, "head -n %zu", p->line - 1);
     return vv_fail_at(VV_E_FORMAT, p->path, where,
-                      "%" JSON_INTEGER_FORMAT
-                      " lines are missing here, which could not be written when the session was "
+                      "%" JSON_INTEGER_FORMAT " line%s missing here, which could not be written when the session was "
                       "recorded; the lines before it (%s) can be played",
-                      n, to_line);
+                      n, n == 1 ? " is" : "s are", to_line);
 }
 
 static vv_status play_line(player *p, json_t *line)

@@ -179,5 +179,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->changes = r->task.stays = true;
     if ((st = vvi_request_take_operation(r, message)) == VV_OK)
         r->task.name = r->operation->name;
+    if (st == VV_OK && !vvi_session_disk_holds(r->session, VVI_FILE_LEAST)) /* before the work, not after it */
+        st = vv_fail(VV_E_WRITE, "nothing is run whose result could not be kept: the server's disk is full; make room "
+                                 "on it and try again");
     return vvi_request_add_slow(r, st);
 }

@@ -4,10 +4,13 @@
 #include "server/tls.h"
 #include "server/unix_socket.h"
 
+#include <errno.h>
+#include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -136,9 +139,39 @@ static struct lws_vhost *listen_there(vvi_server *server, const struct lws_conte
     return is_file && !server->has_socket ? NULL : vhost;
 }
 
+/* 0: this machine has the address, or that cannot be known; else an error's number. */
+static int try_address(const char *address)
+{
+    struct addrinfo *at = NULL;
+    const struct addrinfo numbers = {.ai_flags = AI_NUMERICHOST, .ai_socktype = SOCK_STREAM};
+    if (getaddrinfo(address, NULL, &numbers, &at) != 0)
+        return EINVAL;
+    const int fd = socket(at->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int error = fd >= 0 && bind(fd, at->ai_addr, at->ai_addrlen) != 0 ? errno : 0;
+    if (fd >= 0)
+        close(fd);
+    freeaddrinfo(at);
+    return error;
+}
+
+static vv_status check_address(const char *address)
+{
+    const int error = try_address(address);
+    if (error == EINVAL)
+        return vv_fail(VV_E_ARGUMENT,
+                       "--listen takes the number of an address, as in 127.0.0.1, ::1 or 0.0.0.0 (all of this "
+                       "machine); \"%.80s\" is none",
+                       address);
+    return error == EADDRNOTAVAIL
+               ? vv_fail(VV_E_ARGUMENT, "%.80s is not an address of this machine; 0.0.0.0 means all that are", address)
+               : VV_OK;
+}
+
 vv_status vvi_server_options_check(const vvi_server_options *o)
 {
     vv_status st = o->token ? vvi_token_check(o->token) : VV_OK;
+    if (st == VV_OK && o->listen)
+        st = check_address(o->listen);
     if (st == VV_OK && o->key && !o->certificate)
         st = vv_fail_at(VV_E_ARGUMENT, o->key, NULL,
                         "a TLS key without its certificate: give that too (--tls-cert), or the page would be served "

@@ -5,12 +5,15 @@
 #include "server/server_impl.h"
 
 #include <jansson.h>
+#include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 
 enum { BODY_SECONDS = 5 }; /* in which a token must come */
+enum { HERE_TEXT = 80 };
 
 void vvi_http_note(const vvi_peer *peer, const char *what, const char *object, bool refused)
 {
@@ -37,7 +40,7 @@ static int get_file(vvi_peer *peer, const char *path)
 {
     const vvi_server *server = peer->server;
     const char *name = NULL;
-    const int fd = vvi_session_open_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
+    const int fd = vvi_session_open_result(server->session, path + strlen("/files/"), &name);
     struct stat info;
     vvi_http_note(peer, "download", name, fd < 0);
     if (fd <= 0)
@@ -109,17 +112,38 @@ static bool is_followed_link(const vvi_head *head)
            is_text(head->fetch_dest, "document") && !head->upgrade;
 }
 
+/* The number and port by which it has come; "" for a Unix socket. */
+static void write_here(char out[HERE_TEXT], const vvi_peer *peer)
+{
+    struct sockaddr_storage at = {.ss_family = AF_UNSPEC};
+    socklen_t n = sizeof at;
+    char number[NI_MAXHOST], port[NI_MAXSERV];
+    *out = 0;
+    if (getsockname(lws_get_socket_fd(peer->wsi), (struct sockaddr *)&at, &n) != 0 ||
+        (at.ss_family != AF_INET && at.ss_family != AF_INET6) ||
+        getnameinfo((struct sockaddr *)&at, n, number, sizeof number, port, sizeof port,
+                    NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+        return;
+    const bool mapped = strncmp(number, "::ffff:", 7) == 0 && strchr(number, '.'); /* IPv4 by a socket of both */
+    snprintf(out, HERE_TEXT, !mapped && at.ss_family == AF_INET6 ? "[%.60s]:%.8s" : "%.60s:%.8s",
+             mapped ? number + 7 : number, port);
+}
+
 static vvi_pass check(const vvi_peer *peer, const vvi_head *head)
 {
+    char here[HERE_TEXT] = "";
+    if (peer->server->options.listen)
+        write_here(here, peer);
     const bool bearer = head->authorization && strncmp(head->authorization, "Bearer ", 7) == 0;
     vvi_request r = {.host = head->host,
                      .origin = head->origin,
                      .fetch_site = head->fetch_site,
                      .bearer = bearer ? head->authorization + 7 : NULL,
                      .cookie = head->cookie,
-                     .address = peer->address};
+                     .address = peer->address,
+                     .here = here};
     if (is_followed_link(head))
-        r = (vvi_request){.host = r.host, .origin = r.origin, .address = r.address};
+        r = (vvi_request){.host = r.host, .origin = r.origin, .address = r.address, .here = here};
     if (head->upgrade && !r.origin)
         r.cookie = NULL; /* a browser names its page with each upgrade; who is none has the token */
     return vvi_gate_check(&peer->server->gate, &r, vvi_now());

@@ -26,20 +26,23 @@ static int refuse_too_much(vvi_peer *peer)
         "This server has accepted as many files as it may; open the file from a folder of the server.\n");
 }
 
-static int refuse_no_room(vvi_peer *peer)
-{
-    return vvi_answer_refusal(
-        peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-        "There is no room for the file beside the results and files that are there; open it from a folder of the "
-        "server.\n");
-}
-
 static int refuse_storing(vvi_peer *peer, int error)
 {
     if (error == ENOSPC || error == EDQUOT || error == EFBIG)
         return vvi_answer_refusal(
             peer, 507, "The server's disk is full, and the file was not stored; try again when there is room on it.\n");
     return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be stored on the server.\n");
+}
+
+/* Of so many bytes that are still to come. */
+static int refuse_no_room(vvi_peer *peer, uint64_t bytes)
+{
+    if (!vvi_session_disk_holds(peer->server->session, bytes))
+        return refuse_storing(peer, ENOSPC);
+    return vvi_answer_refusal(
+        peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+        "There is no room for the file beside the results and files that are there; open it from a folder of the "
+        "server.\n");
 }
 
 /* Counting -------------------------------------------------------------------------------------------------------- */
@@ -165,7 +168,7 @@ static int begin(vvi_peer *peer, const char *name)
     if (server->uploads >= FILES || is_too_much(server, cost_of(http->length)))
         return refuse_too_much(peer);
     if (vvi_session_upload_room(server->session, http->length) != VV_OK)
-        return refuse_no_room(peer);
+        return refuse_no_room(peer, http->length);
     vvi_http_note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     if (!open_upload(http, server->session, batch))
@@ -181,7 +184,7 @@ static int end(vvi_peer *peer)
     vvi_http *http = peer->http;
     if (vvi_session_upload_room(peer->server->session, 0) != VV_OK) {
         vvi_upload_drop(peer);
-        return refuse_no_room(peer);
+        return refuse_no_room(peer, 0);
     }
     if (http->nameless && !name_upload(http)) {
         const int error = errno;
@@ -265,7 +268,7 @@ int vvi_upload_take(vvi_peer *peer, const uint8_t *in, size_t n)
     const bool too_much = is_too_much(peer->server, 0);
     if (too_much || !has_room_still(peer)) {
         vvi_upload_drop(peer);
-        return too_much ? refuse_too_much(peer) : refuse_no_room(peer);
+        return too_much ? refuse_too_much(peer) : refuse_no_room(peer, http->length);
     }
     if (http->window >= UPLOAD_WINDOW) {
         http->window = 0;

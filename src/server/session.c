@@ -217,6 +217,9 @@ vv_status vvi_session_free(vvi_session *s, bool keep)
     free_files(s->files);
     free(s->who);
     free(s->warnings);
+    free(s->unkept);
+    free(s->unaudited);
+    free(s->unrecorded);
     for (size_t i = 0; i < VVI_CHANGES_KEPT; i++)
         free(s->paths[i]);
     free(s->told);

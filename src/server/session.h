@@ -92,6 +92,8 @@ vv_status vvi_session_upload_folder(char **out, vvi_session *session, const char
 /** VV_E_LIMIT: there is no room for so many bytes of an upload beside what is there and what has come. Nothing is kept
  * for it: who announces much and brings nothing holds nothing. */
 vv_status vvi_session_upload_room(vvi_session *session, uint64_t bytes);
+/** Whether the disk has room for so many bytes more. */
+bool vvi_session_disk_holds(const vvi_session *session, uint64_t bytes);
 /** So many bytes of a file without a name came; or (below 0) they are gone, or (named) in a file that has one. */
 void vvi_session_upload_came(vvi_session *session, int64_t bytes, bool named);
 /** Takes away a file in such a folder that no saved scene names, or what came of it, and the folder where nothing else
@@ -99,9 +101,9 @@ void vvi_session_upload_came(vvi_session *session, int64_t bytes, bool named);
 void vvi_files_remove(const char *path);
 /** Where it is written down who came and what they opened; NULL: nowhere. */
 struct vvi_audit *vvi_session_audit(vvi_session *session);
-/** A picture that was asked for or a file of a shape, by its number, opened to be read; -1: there is none. The name is
+/** A picture that was asked for or a file of a shape, by NUMBER/NAME, opened to be read; -1: there is none. The name is
  * borrowed. */
-int vvi_session_open_result(const vvi_session *session, int64_t number, const char **name_out);
+int vvi_session_open_result(const vvi_session *session, const char *place, const char **name_out);
 /** Nanoseconds of a clock that never runs back: what every `now` of a session is. */
 int64_t vvi_now(void);
 #endif

@@ -154,16 +154,16 @@ struct vvi_session {
     char *paths[VVI_CHANGES_KEPT]; /* of the last commits, the newest at n_changes - 1: JSON without brackets */
     uint64_t n_changes;
     vvi_journal *journal;
-    vvi_audit *audit;                   /* NULL: none */
-    vvi_recording *recording;           /* NULL: none */
-    bool is_played;                     /* by a recording, which says where pages stand */
-    uint64_t n_asked;                   /* jobs that change the World; their numbers, which do not count other jobs */
-    uint64_t n_ended;                   /* of them, done or failed */
-    uint64_t awaited;                   /* of a recording: the one that ended next then; 0: any */
-    vv_status last_ended;               /* how the last of them did */
-    uint64_t restored, lost;            /* commits of a session that broke off */
-    bool unkept, unaudited, unrecorded; /* the last change, or what was done last, could not be written down; all were
-                                           told */
+    vvi_audit *audit;         /* NULL: none */
+    vvi_recording *recording; /* NULL: none */
+    bool is_played;           /* by a recording, which says where pages stand */
+    uint64_t n_asked;         /* jobs that change the World; their numbers, which do not count other jobs */
+    uint64_t n_ended;         /* of them, done or failed */
+    uint64_t awaited;         /* of a recording: the one that ended next then; 0: any */
+    vv_status last_ended;     /* how the last of them did */
+    uint64_t restored, lost;  /* commits of a session that broke off */
+    char *unkept, *unaudited, *unrecorded; /* why the last change, or what was done last, could not be written down, as
+                                              all were told; NULL: it was */
     bool mended;         /* all were told that the journal is written anew, which has not been done yet */
     bool told_forgotten; /* that the oldest changes can be undone no more */
     vvi_made_file *files;
@@ -310,6 +310,8 @@ vv_status vvi_session_keep(vvi_session *session, const char *who, json_t *line);
 vv_status vvi_session_keep_world(vvi_session *session, const char *who, const vv_world *world);
 /** What was written down goes to the disk, and what could not be is told. */
 void vvi_session_keep_sync(vvi_session *session);
+/** One who comes is told what all were told, as far as it is still so. */
+void vvi_session_tell_problems(vvi_client *client);
 
 /* message_text.c ------------------------------------------------------------------------------------------------------
  */

@@ -494,8 +494,15 @@ def test_pictures_of_any_size_have_their_recipe():
         async def picture():
             async with Page(server) as page:
                 await page.resting()
+                for kind, members in (("camera", {"eye": [50, 0, 0], "at": [8, 8, 8], "up": [0, 0, 1]}), ("size", {"width": 300, "height": 200}),
+                                      ("events", {"lines": ""}), ("frames", {"wanted": "all"}), ("world", {})):
+                    assert await page.ask(kind, **members) is None  # a message with an id has an answer, whichever it is
                 return await page.ask("picture", width=500, height=300, name="../my ball.png")
         url = run(picture())["url"]
+        for number in ("+1", "01", "1e0", " 1", "1.0", "0x1", "2", "0", ""):
+            assert server.request(url.replace("/1/", f"/{number}/").replace(" ", "%20"), Cookie=server.cookie())[0] == 404, number
+        for place in ("/files/1", "/files/1/", "/files/1/other.png", f"{url}x", url[:-1], f"{url}/x"):
+            assert server.request(place, Cookie=server.cookie())[0] == 404, place
         code, _, data = server.request(url, Cookie=server.cookie())
         assert code == 200 and pixels(data).shape == (300, 500, 3), (code, data[:100])
         assert server.request(url)[0] == 403

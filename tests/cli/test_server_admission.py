@@ -444,6 +444,19 @@ def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
                 assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
 
 
+def test_only_numbers_of_this_machine_are_listened_on_and_the_one_that_was_used_is_a_host():
+    write_ball("ball.nrrd", 16)
+    for address, part in (("localhost", "none"), ("nonsense", "none"), ("[::1]", "none"), ("10.9.9.9", "not an address of this machine")):
+        says(fails(2, "serve", "ball.nrrd", "--listen", address), part)
+    with Server("ball.nrrd", "--listen", "0.0.0.0", verb="serve") as server:
+        for used, host, code in (("127.0.0.2", "127.0.0.2", 200), ("127.0.0.2", "127.0.0.3", 403), ("127.0.0.1", "127.0.0.2", 403),
+                                 ("127.0.0.2", "evil.example", 403), ("127.0.0.2", "localhost", 200)):
+            for origin in (host, "6.6.6.6"):
+                with socket.create_connection((used, server.port), timeout=60) as sock:
+                    sock.sendall(f"GET / HTTP/1.1\r\nHost: {host}:{server.port}\r\nOrigin: http://{origin}:{server.port}\r\n\r\n".encode())
+                    assert codes(one_answer(sock)) == [code if origin == host else 403], (used, host, origin)
+
+
 # TLS ----------------------------------------------------------------------------------------------------------------
 
 def make_certificate(key, certificate, *words, new="rsa:2048"):

@@ -1,4 +1,5 @@
 """What goes wrong around a server while people work: files that shrink, disks that are full, journals that cannot be played."""
+import contextlib
 import json
 import os
 import resource
@@ -6,7 +7,8 @@ import shutil
 import signal
 import subprocess
 
-from harness import VOLVIS, environment, fails, main, ok, write_ball, write_large
+import served
+from harness import VOLVIS, Skip, environment, fails, main, ok, write_ball, write_large
 from page import Page, Server, run
 from wire import wait_for
 
@@ -224,7 +226,7 @@ def test_a_full_disk_refuses_changes_before_they_are_made_and_goes_on_when_there
             await page.edit(("set", "title", "before"))
             server.disk(os.path.getsize(found("journal.jsonl")[0]))
             said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "full"}])
-            assert "File too large" in said and "not made" in said, said
+            assert "File too large" in said and "not made" in said and "ulimit -f" in said, said  # no room helps there
             await page.until(lambda: page.world["world"].get("title") == "before")
             await other.until(lambda: told(other, "not made", "error"))
             said = await page.refused("undo")
@@ -274,6 +276,68 @@ def test_an_upload_on_a_full_disk_is_told_and_leaves_nothing():
         assert len(found("x.bin")) == 1
     finally:
         server.end(signal.SIGINT)
+
+
+def test_an_uploaded_scene_that_names_what_was_not_uploaded_is_told_so():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server, 64, 64) as page:
+            scene = json.dumps({"schema": 1, "datasets": {"d": {"path": "beside.nrrd"}}, "volumes": {"v": {"data": "d"}}})
+            code, _, said = server.request("/files/s.vv.json", scene.encode(), method="PUT", Cookie=server.cookie())
+            assert code == 201, said
+            answer = await page.answer("open", path=json.loads(said)["path"])
+            said = answer["error"] if not answer["ok"] else await page.until(
+                lambda: next((m["text"] for m in page.messages if m["type"] == "failed"), None))
+            assert "beside.nrrd" in said and "was not uploaded beside" in said, said
+    with Server("head.nrrd") as server:
+        run(work(server))
+
+
+SMALL = """#!/bin/sh
+mkdir -p state
+exec unshare -rm sh -c 'mount -t tmpfs -o size=4m none state && exec "$@"' sh "{volvis}" "$@"
+"""
+
+
+def test_a_disk_that_is_really_full_is_told_to_all_also_to_those_who_come_and_in_the_audit():
+    write_ball(n=16)
+    if subprocess.run(["unshare", "-rm", "mount", "-t", "tmpfs", "none", "/tmp"], capture_output=True).returncode:
+        raise Skip("this system lets us mount no file system of our own")
+    with open("small", "w", encoding="ascii") as file:
+        file.write(SMALL.format(volvis=VOLVIS))
+    os.chmod("small", 0o755)
+
+    async def work(server, fill):
+        async with Page(server, 64, 64) as page:
+            await page.edit(("set", "title", "before"))
+            with open(fill, "wb", buffering=0) as file, contextlib.suppress(OSError):
+                while file.write(bytes(4096)):
+                    pass
+            for n in [1000] * 9 + [300] * 9 + [1] * 9:  # fill the block that the journal has, too
+                said = await page.answer("edit", edits=[{"op": "set", "path": "title", "value": "x" * n}])
+            assert "not made" in said["error"], said
+            async with Page(server, 64, 64) as newcomer:
+                await newcomer.until(lambda: told(newcomer, "not made", "error"))
+            dataset = next(iter(page.world["world"]["datasets"]))
+            said = await page.refused("run", operation="gaussian", dataset=dataset, parameters={"sigma": 1})
+            assert "disk is full" in said, said
+            code, _, said = server.request("/files/x.bin", b"x" * 9000, method="PUT", Cookie=server.cookie())
+            assert code == 507 and b"disk is full" in said, (code, said)
+            os.remove(fill)
+            await page.edit(("set", "title", "after"))
+            async with Page(server, 64, 64) as newcomer:
+                await newcomer.heard()
+                assert not told(newcomer, "not made", "error")
+    whole, served.VOLVIS = served.VOLVIS, os.path.abspath("small")
+    try:
+        with Server("head.nrrd", "--audit", "audit.jsonl") as server:
+            run(work(server, f"/proc/{server.process.pid}/root{os.path.abspath('state')}/fill"))
+    finally:
+        served.VOLVIS = whole
+    with open("audit.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    assert [line.get("refused") for line in lines if line["what"] == "run"] == [True], lines
 
 
 def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
@@ -342,7 +406,8 @@ def test_a_recording_on_a_full_disk_has_whole_lines_and_all_are_told():
     [at] = [i for i, line in enumerate(lines) if "lost" in line]
     assert "after" in json.dumps(lines[at + 1:]), lines
     said = fails(3, "replay", "session.jsonl", "-o", "again.vv.json")
-    assert f"line {at + 1}: {lines[at]['lost']} lines are missing" in said, said
+    n = lines[at]["lost"]
+    assert f"line {at + 1}: {n} line{' is' if n == 1 else 's are'} missing" in said, said
     with open("whole.jsonl", "w", encoding="utf-8") as file:
         file.writelines(json.dumps(line) + "\n" for line in lines[:at])
     ok("replay", "whole.jsonl", "-o", "again.vv.json")
@@ -381,7 +446,7 @@ def test_files_of_a_session_that_were_removed_are_told_with_what_helps():
                 await page.edit(("set", "title", "after"))
                 await page.ask("run", dataset="head", **smooth)  # which needs no file of the session
                 said = await page.refused("run", dataset="mine", **smooth)
-                assert said.endswith("upload it, or run the operation that made it, again") and "state" not in said, said
+                assert said.endswith("upload all that belongs together at once, or run the operation that made it again") and "state" not in said, said
         run(work())
 
 

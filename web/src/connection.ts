@@ -49,7 +49,7 @@ export class Connection {
     const entered = await this.enter();
     if (this.closed) return;
     if (entered === "refused") {
-      this.events.state("refused", "This link is no longer valid. Open the link that volvis view printed last.");
+      this.events.state("refused", "This link is no longer valid. Open the link that VolVis printed last.");
     } else if (entered === "unreachable") {
       this.retry("The server does not answer.");
     } else {
@@ -154,7 +154,7 @@ export class Connection {
     const there = await fetch("/icon.svg", { cache: "no-store" }).then((r) => r.ok, () => false);
     if (this.closed) return;
     if (there && !this.token) {
-      this.events.state("refused", "The server can be opened only with its link. Open the link that volvis view printed.");
+      this.events.state("refused", "The server can be opened only with its link. Open the link that VolVis printed.");
     } else {
       if (there) this.entered = false; // another server, perhaps, which the link is for as well
       this.retry("The server does not answer.");

@@ -370,15 +370,13 @@ static void folders_that_killed_programs_left_are_cleared_by_who_writes_beside_t
     if (dead == 0)
         _exit(0);
     waitpid(dead, NULL, 0);
-    char *gone[] = {leftover_folder(state, ".a.zarr.volvis", dead, 2),
+    char *gone[] = {leftover_folder(state, ".a.zarr.volvis", dead, 2), leftover_folder(state, ".young.volvis", dead, 0),
                     leftover_folder(state, "out.zarr", dead, 2)}; /* of this target, as they were named once */
-    char *kept[] = {leftover_folder(state, ".young.volvis", dead, 0),
-                    leftover_folder(state, ".lives.volvis", getpid(), 2),
+    char *kept[] = {leftover_folder(state, ".lives.volvis", getpid(), 2),
                     leftover_folder(state, ".locked.volvis", dead, 2),
                     leftover_folder(state, ".a.zarr", dead, 2), /* somebody's own, as the next two */
-                    leftover_folder(state, "a.zarr", dead, 2),
-                    leftover_folder(state, "a.zarr.volvis", dead, 2)};
-    const int locked = open(kept[2], O_RDONLY | O_DIRECTORY);
+                    leftover_folder(state, "a.zarr", dead, 2), leftover_folder(state, "a.zarr.volvis", dead, 2)};
+    const int locked = open(kept[1], O_RDONLY | O_DIRECTORY);
     assert_int_equal(flock(locked, LOCK_EX | LOCK_NB), 0);
     vvi_sink_clear_leftovers(io_path(state, "out.zarr"), NULL);
     for (size_t i = 0; i < sizeof gone / sizeof *gone; i++) {
