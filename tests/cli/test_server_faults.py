@@ -92,6 +92,7 @@ def test_who_opens_a_damaged_file_hears_what_is_missing():
                     for page in (one, other):  # whoever opens it, and again
                         before = len(page.messages)
                         await page.ask("open", path=os.path.abspath("cut.nrrd"))
+                        await page.until(lambda page=page, before=before: any(m["type"] == "notice" for m in page.messages[before:]))
                         await one.resting()
                         await other.resting()
                         said = [m for m in page.messages[before:] if m["type"] == "notice"]
