@@ -298,7 +298,11 @@ static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sce
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
     const vv_classification *k = &shape->look.classes;
-    if (shape->colors && k->n_color) {
+    if (shape->colors && shape->look.paint.nearest) { /* labels do not lie along a line */
+        char name[128];
+        snprintf(name, sizeof name, "%.90s: colours of labels", name_of(scene, &shape->look));
+        add_heading(out, n_more, name, "");
+    } else if (shape->colors && k->n_color) {
         char name[128];
         snprintf(name, sizeof name, "%.60s%s%.60s", name_of(scene, &shape->look), *m->value_name ? ": " : "",
                  m->value_name);
