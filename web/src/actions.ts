@@ -14,7 +14,7 @@ import { addSelected, send, tryAsk, tryEdit } from "./session";
 import { keep, kept } from "./storage";
 import * as store from "./store";
 import { toggleTheme } from "./theme";
-import { freeName, label } from "./values";
+import { freeName, label, labelOf } from "./values";
 
 export interface Action {
   name: string;
@@ -188,10 +188,10 @@ function properties(): Action[] {
   const walk = (className: string, at: string, before: string) => {
     for (const row of store.classes.value[className]?.properties ?? []) {
       const where = at ? `${at}.${row.name}` : row.name;
-      if (row.kind === "object" && row.class) walk(row.class, where, `${before}${label(row.name)} › `);
+      if (row.kind === "object" && row.class) walk(row.class, where, `${before}${labelOf(row)} › `);
       else if (row.kind !== "map" && row.kind !== "list" && row.kind !== "variants")
         found.push({
-          name: `property-${where}`, title: label(row.name), doc: `${before}${row.doc}`, group: "Property",
+          name: `property-${where}`, title: labelOf(row), doc: `${before}${row.doc}${labelOf(row) === label(row.name) ? "" : ` (${row.name})`}`, group: "Property",
           icon: "property", run: () => { store.rightOpen.value = true; focusProperty.value = where; },
         });
     }

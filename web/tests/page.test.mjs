@@ -355,6 +355,20 @@ describe("the page", TOGETHER, () => {
     await page.getByText("lights every place as if it were alone").waitFor();
   }));
 
+  test("a switch that is automatic says so, and has the words of its table", () => withPage([], async (page) => {
+    await page.locator(".tree-name", { hasText: "Rendering" }).click();
+    const jitter = page.getByRole("combobox", { name: "Jitter", exact: true });
+    assert.equal(await jitter.inputValue(), "");
+    await jitter.selectOption("off");
+    await until(() => editsOf(page).length === 1, "it is not set");
+    await jitter.selectOption("automatic");
+    await until(() => editsOf(page).length === 2, "it is not automatic again");
+    const path = "views.main.render.raycast.jitter";
+    assert.deepEqual(editsOf(page).map((m) => m.edits[0]), [{ op: "set", path, value: false }, { op: "unset", path }]);
+    await page.getByRole("switch", { name: "Skip empty ends", exact: true }).waitFor();
+    assert.match(await page.locator("label", { hasText: "Skip empty ends" }).getAttribute("title"), /In scenes and lines: parc\.$/);
+  }));
+
   test("a step that cannot be made says so where it is and over the picture, until it can", () => withPage(["--made"], async (page) => {
     await page.locator(".tree-name", { hasText: "body" }).click();
     const range = page.getByRole("textbox", { name: "Range", exact: true });

@@ -19,7 +19,7 @@ import { findBest } from "../src/search";
 import { toBeOpened, whyNot } from "../src/uploads_order";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode, isMap, moveEnd, thin } from "../src/transfer/curve";
-import { acts, classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, parseLabel, parseRow, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
+import { acts, classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, labelOf, parseEntry, parseLabel, parseRow, sliderScale, tipOf, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
 function frameBytes(): ArrayBuffer {
@@ -304,6 +304,15 @@ test("paths lead to values and classes, prototypes are no values", () => {
   assert.equal(label("range_lo"), "Range lo");
   assert.equal(label("fill-holes"), "Fill holes");
   assert.equal(freeName(["light", "light2"], "light"), "light3");
+});
+
+test("what a property is called, and what its tool tip says", () => {
+  const row = { name: "range_lo", kind: "number" as const, doc: "the lower end" };
+  assert.equal(labelOf(row), "Range lo");
+  assert.equal(tipOf(row), "The lower end.");
+  const named = { name: "parc", kind: "bool" as const, doc: "follow rays between boxes", automatic: "on" };
+  assert.equal(labelOf(named), "Skip empty ends");
+  assert.equal(tipOf(named), "Follow rays between boxes. Automatic: on. In scenes and lines: parc.");
 });
 
 test("sliders: linear, logarithmic over three decades, none where the range has no end", () => {

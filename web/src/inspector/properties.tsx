@@ -6,7 +6,7 @@ import type { Property } from "../protocol";
 import { tryEdit } from "../session";
 import * as store from "../store";
 import { Fold, IconButton } from "../ui/controls";
-import { acts, isObject, join, label, sentence, valueAt } from "../values";
+import { acts, isObject, join, label, labelOf, sentence, valueAt } from "../values";
 import { PropertyRow } from "./property_row";
 
 /** Which groups are open, by class path without ids, so that it is the same for the next volume. */
@@ -37,7 +37,7 @@ export function Group({ path, row, open }: { path: string; row: Property; open?:
   const n = countSet(path);
   return (
     <Fold
-      id={`fold-${path}`} title={label(row.name)} open={isOpen} note={n ? (row.kind === "list" ? String(n) : `${n} set`) : undefined}
+      id={`fold-${path}`} title={labelOf(row)} open={isOpen} note={n ? (row.kind === "list" ? String(n) : `${n} set`) : undefined}
       onToggle={(now) => { opened.value = { ...opened.value, [key]: now }; }}
     >
       <p class="doc">{sentence(row.doc)}</p>

@@ -6,7 +6,7 @@ import type { Json, Property } from "../protocol";
 import { edit, Gesture } from "../session";
 import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
-import { flawOf, formatNumber, label, parseEntry, parseLabel, parseRow, sentence, sliderScale, titleOf, unitOf, valueAt } from "../values";
+import { flawOf, formatNumber, labelOf, parseEntry, parseLabel, parseRow, sliderScale, tipOf, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
 import { cutPlaneScale, valueScale, voxelScale } from "./data_scales";
 import type { ParameterStore } from "./properties";
@@ -22,6 +22,8 @@ interface RowContext {
   placeholder: string;
   unit: string;
   disabled: boolean;
+  /** Whether the page knows what a switch is while nothing is set. */
+  isKnown: boolean;
   /** Of an operation that has not run. */
   isParameter: boolean;
   error: string;
@@ -80,6 +82,7 @@ export function PropertyRow({ path, row, base }: { path: string; row: Property; 
   const context: RowContext = {
     id, path, row, set, value: set ?? worked ?? (row.automatic ? undefined : row.default), unit, error, commit,
     placeholder: automaticText(row, worked, unit),
+    isKnown: automaticSwitch(row, path) !== undefined,
     disabled: !base && store.readOnly.value,
     isParameter: base !== undefined,
     describedBy: error ? `${id}-error` : `${id}-doc`,
@@ -94,13 +97,13 @@ export function PropertyRow({ path, row, base }: { path: string; row: Property; 
 
   return (
     <div ref={element} class={`row row-${row.kind} ${set !== undefined ? "row-set" : ""}`}>
-      <label class="row-label" id={`${id}-label`} for={id} title={sentence(row.doc)}>{label(row.name)}</label>
+      <label class="row-label" id={`${id}-label`} for={id} title={tipOf(row)}>{labelOf(row)}</label>
       <div class="row-control"><Control {...context} /></div>
       <span class="row-reset">
         {set !== undefined && !context.disabled
-          ? <IconButton icon="reset" label={`${label(row.name)}: back to ${row.automatic ? "automatic" : "the default"}`} onClick={() => commit(undefined)} /> : null}
+          ? <IconButton icon="reset" label={`${labelOf(row)}: back to ${row.automatic ? "automatic" : "the default"}`} onClick={() => commit(undefined)} /> : null}
       </span>
-      <span class="hidden" id={`${id}-doc`}>{sentence(row.doc)}{row.automatic ? ` Automatic: ${row.automatic}.` : ""}</span>
+      <span class="hidden" id={`${id}-doc`}>{tipOf(row)}</span>
       {error ? <p class="row-error" id={`${id}-error`} role="alert">{error}</p> : null}
     </div>
   );
@@ -110,6 +113,7 @@ function Control(c: RowContext) {
   const { row } = c;
   switch (row.kind) {
     case "bool":
+      if (row.automatic && !c.isKnown) return <SwitchChoice {...c} />;
       return <Switch id={c.id} on={c.value === true} disabled={c.disabled} describedBy={c.describedBy} onChange={(on) => c.commit(on)} />;
     case "integer":
     case "number":
@@ -154,7 +158,7 @@ function NumberControl(c: RowContext) {
   return (
     <span class="slider-field">
       <Slider
-        label={`${label(c.row.name)}, slider`} share={scale.toShare(value ?? c.row.min ?? 0)} valueText={value === null ? c.placeholder : `${formatNumber(value)} ${c.unit}`.trim()}
+        label={`${labelOf(c.row)}, slider`} share={scale.toShare(value ?? c.row.min ?? 0)} valueText={value === null ? c.placeholder : `${formatNumber(value)} ${c.unit}`.trim()}
         disabled={c.disabled} onBegin={c.begin} onChange={(share) => c.drag(scale.toValue(share))} onEnd={c.end}
       />
       {field}
@@ -170,6 +174,15 @@ function Choice(c: RowContext & { names: string[]; text?: (name: string) => stri
   return (
     <Select id={c.id} value={value} options={options} disabled={c.disabled} invalid={!!c.error} describedBy={c.describedBy}
       onChange={(chosen) => c.commit(chosen === "" ? undefined : chosen)} />
+  );
+}
+
+/** A switch of which nobody here knows what it is while it is automatic. */
+function SwitchChoice(c: RowContext) {
+  const options = [{ value: "", text: "automatic" }, { value: "true", text: "on" }, { value: "false", text: "off" }];
+  return (
+    <Select id={c.id} value={typeof c.set === "boolean" ? String(c.set) : ""} options={options} disabled={c.disabled} invalid={!!c.error}
+      describedBy={c.describedBy} onChange={(chosen) => c.commit(chosen === "" ? undefined : chosen === "true")} />
   );
 }
 
@@ -203,7 +216,7 @@ function VectorControl(c: RowContext) {
         <span class="vector-part" key={axis}>
           <span class="vector-axis" aria-hidden="true">{axis}</span>
           <NumberField
-            id={i === 0 ? c.id : undefined} label={`${label(c.row.name)} ${axis}`} value={shown ? (shown[i] ?? null) : null}
+            id={i === 0 ? c.id : undefined} label={`${labelOf(c.row)} ${axis}`} value={shown ? (shown[i] ?? null) : null}
             placeholder={value ? formatNumber(numberAt(i), 3) : "auto"} step={stepOf(c.row, numberAt(i))} disabled={c.disabled}
             invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => commit(i, text)}
           />
@@ -221,7 +234,7 @@ function ColorControl(c: RowContext) {
         id={c.id} type="color" value={hex} disabled={c.disabled} aria-describedby={c.describedBy} onFocus={c.begin}
         onInput={(e) => c.drag(e.currentTarget.value)} onChange={c.end}
       />
-      <TextField label={`${label(c.row.name)}, as text`} value={c.set === undefined && c.row.automatic ? "" : typeof c.value === "string" ? c.value : hex} placeholder={c.placeholder}
+      <TextField label={`${labelOf(c.row)}, as text`} value={c.set === undefined && c.row.automatic ? "" : typeof c.value === "string" ? c.value : hex} placeholder={c.placeholder}
         disabled={c.disabled} invalid={!!c.error} onCommit={(text) => c.commit(text === "" ? undefined : text)} />
     </span>
   );
