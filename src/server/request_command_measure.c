@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "core/vec.h"
 #include "measuring/measuring.h"
 #include "model/classes.h"
 #include "run/measured.h"
@@ -77,8 +78,10 @@ static bool is_mesh_file(const vvi_measured_meshes *shown)
 {
     const vv_affine here = vv_affine_identity();
     const vv_measured_data *data = shown->data;
-    return shown->n == 1 && data->n_planes == 0 && memcmp(&data->place, &here, sizeof here) == 0 &&
-           strcmp(data->unit, vv_mesh_get_info(data->mesh)->unit) == 0;
+    bool moved = shown->n != 1 || vvi_length(vvi_sub(data->place.origin, here.origin)) > 0;
+    for (int a = 0; a < 3 && !moved; a++)
+        moved = vvi_length(vvi_sub(data->place.axis[a], here.axis[a])) > 0;
+    return !moved && data->n_planes == 0 && strcmp(data->unit, vv_mesh_get_info(data->mesh)->unit) == 0;
 }
 
 /* As put_file(), of meshes: made ones are measured before a file rounds their places. */
