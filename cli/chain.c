@@ -1,6 +1,7 @@
 #include "chain.h"
 #include "channel_names.h"
 #include "core/memory.h"
+#include "core/units.h"
 #include "mesh.h"
 #include "model/context.h"
 #include "model/dataset.h"
@@ -347,6 +348,31 @@ static vv_status print_recipe(vvi_text *json, const step *s, vv_object **params)
 
 /* Datasets --------------------------------------------------------------------------------------------------------- */
 
+/* Whether it is what counts of an option, and a length with its unit. */
+static bool is_measured(const step *s, size_t at)
+{
+    const cli_given *given = &s->args.given[at];
+    double bare;
+    for (size_t i = at + 1; i < s->args.n_given; i++)
+        if (s->args.given[i].row == given->row)
+            return false;
+    return given->cls == s->verb.options[0] && given->row->quantity == VV_Q_LENGTH && given->row->kind == VV_KIND_F64 &&
+           !vvi_parse_number(&bare, given->text);
+}
+
+/* "2mm" stays what it is, whatever the unit of other inputs. */
+static vv_status keep_units(const step *s, vv_object **root, const char *id)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < s->args.n_given && st == VV_OK; i++) {
+        char path[ID_ROOM + 96];
+        snprintf(path, sizeof path, "datasets.%s.parameters.%s", id, s->args.given[i].row->name);
+        if (is_measured(s, i))
+            st = vv_path_set_text(root, path, s->args.given[i].text, NULL);
+    }
+    return st;
+}
+
 static vv_status add_dataset(step *s, char id_out[ID_ROOM])
 {
     vv_object *params = NULL, *root = &(*s->world)->base;
@@ -359,6 +385,8 @@ static vv_status add_dataset(step *s, char id_out[ID_ROOM])
     vvi_world_free_id(id_out, (*s->world)->datasets, name);
     if ((st = print_recipe(&json, s, &params)) == VV_OK)
         st = vv_path_add(&root, "datasets", id_out, json.s, NULL);
+    if (st == VV_OK)
+        st = keep_units(s, &root, id_out);
     *s->world = (vv_world *)(void *)root;
     vv_object_release(params);
     vvi_text_free(&json);

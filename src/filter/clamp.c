@@ -5,6 +5,7 @@
 #include "registry.h"
 #include "segment/value_range.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -59,6 +60,14 @@ static vv_status find_end(int64_t *key, const vv_field_info *info, const clamp_p
     return VV_OK;
 }
 
+/* The value of a 4-byte float that is nearest to what was typed: the shortest text of a sample is that sample. */
+static double nearest_of(double typed, const vv_field_info *info)
+{
+    const double sample = (typed - info->value_offset) / info->value_scale;
+    const bool some = info->type == VV_TYPE_F32 && fabs(sample) <= (double)FLT_MAX;
+    return some ? (double)(float)sample * info->value_scale + info->value_offset : typed;
+}
+
 static vv_status find_limits(limits *out, const vv_field_info *info, const vv_object *params)
 {
     const clamp_params *p = (const clamp_params *)params;
@@ -73,6 +82,7 @@ static vv_status find_limits(limits *out, const vv_field_info *info, const vv_ob
     if ((st = vvi_value_range_parse(&range, p->range, "clamp: range")) != VV_OK)
         return st;
     range = vvi_value_range_as_typed(&range, info);
+    range = (vvi_value_range){nearest_of(range.lo, info), nearest_of(range.hi, info)};
     out->range = vvi_key_range_of(&range, info);
     out->numbers = vvi_key_range_of(&all, info);
     if (out->range.lo > out->range.hi)

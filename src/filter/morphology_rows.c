@@ -1,5 +1,6 @@
 /* dilate, erode, open, close, top-hat. */
 #include "core/status.h"
+#include "filter/few_labels.h"
 #include "filter/morphology.h"
 #include "grid/label_id.h"
 #include "grid/making.h"
@@ -47,7 +48,11 @@ static vv_status check_all(const vv_field_info *info, const vv_object *params, c
 {
     const vv_label_id *only = only_of(params);
     if (only && !is_for_labels(info))
-        return vv_fail(VV_E_ARGUMENT, "%s: `label` is for labels, and these samples are amounts; leave it out", name);
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "%s: `label` is for labels, and these samples are taken as amounts: leave it out, or make a file "
+            "that says that they are labels, as 'volvis convert FILE -o labels.seg.nrrd' does",
+            name);
     if (only && *only == 0)
         return vv_fail(VV_E_ARGUMENT, "%s: label 0 is what has no label; give another one", name);
     return vvi_element_check(info, params, name);
@@ -70,6 +75,13 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
     return st;
 }
 
+/* Whoever has labels is told that these are none, where all samples are there. */
+static vv_status advise(const vv_field *in, const vv_box *box, vv_job *job)
+{
+    const vv_box all = vv_field_box(in);
+    return memcmp(box, &all, sizeof all) == 0 ? vvi_advise_labels(in, job) : VV_OK;
+}
+
 /* An operation of its own name for each order of steps. */
 #define MORPHOLOGY(symbol, steps, erodes_first, doc_text, example_text)                                                \
     static const vv_class symbol##_class = {                                                                           \
@@ -89,7 +101,9 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
                                   const vv_object *params, const vv_box *box, vv_job *job)                             \
     {                                                                                                                  \
         *out = NULL;                                                                                                   \
-        const vv_status st = check_all(vv_field_get_info(inputs[0]), params, #symbol);                                 \
+        vv_status st = check_all(vv_field_get_info(inputs[0]), params, #symbol);                                       \
+        if (st == VV_OK)                                                                                               \
+            st = advise(inputs[0], box, job);                                                                          \
         return st == VV_OK ? run_steps(out, inputs[0], params, box, #symbol, steps, erodes_first, job) : st;           \
     }                                                                                                                  \
     const vv_operation vvi_operation_##symbol = {                                                                      \

@@ -35,7 +35,8 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
     vvi_tell_count(a, "turned_edges", m->n_turned_edges);
     if (what == VVI_EXTENT)
         vvi_tell_line(a, "mesh", "%zu %s, %s", m->n_triangles, vvi_plural(m->n_triangles, "triangle", "triangles"),
-                      m->closed                              ? "closed"
+                      !m->n_triangles                        ? "empty"
+                      : m->closed                            ? "closed"
                       : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
                                                              : "open: it has no volume");
     if (what & VVI_AREA)
@@ -46,6 +47,13 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
         put_place(a, m, unit);
     if (m->inside_out)
         vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
+}
+
+void vvi_measuring_note_no_triangles(vvi_measuring *m, const vv_mesh_measures *found)
+{
+    if (found->n_triangles == 0)
+        vvi_tell_note(m->answer, "nothing of the mesh %s: the object is empty",
+                      vvi_measurement_has_region(m->asked) ? "lies in the region" : "is left");
 }
 
 vv_status vvi_measure_mesh(vvi_measuring *m)
@@ -65,5 +73,6 @@ vv_status vvi_measure_mesh(vvi_measuring *m)
     if (st != VV_OK)
         return st;
     vvi_mesh_measures_put(m->answer, m->what, &found, vv_mesh_get_info(mesh)->unit);
+    vvi_measuring_note_no_triangles(m, &found);
     return VV_OK;
 }

@@ -112,6 +112,14 @@ static void put_details(vvi_measuring *m, const vv_measured *found)
     put(m, "euler", "Euler number", (double)found->euler, NAN, 0);
 }
 
+/* How many voxels make a volume; scenes keep that alone. */
+static void put_voxels(vvi_measuring *m, const vv_measured *found)
+{
+    const vvi_figure f = {.key = "voxels", .label = "voxels", .value = (double)found->voxels, .error = NAN};
+    if (m->choice.method == VV_MEASURE_COUNT)
+        vvi_tell_figure_for(m->answer, &f, VV_FOR_ALL & ~VV_FOR_SCENES);
+}
+
 /* Samples of the whole volume that are no number: no method knows whether they are inside. */
 static vv_status count_unknown(uint64_t *out, const vvi_measuring *m)
 {
@@ -185,6 +193,8 @@ vv_status vvi_measure_object(vvi_measuring *m)
         put(m, "volume", "volume", found.volume, found.volume_error, 3);
     if (m->what & VVI_DETAILS)
         put_details(m, &found);
+    else if (m->what & VVI_VOLUME)
+        put_voxels(m, &found);
     if (m->what & VVI_BOX)
         put_place(m, &found);
     put_remarks(m, &found, m->what & VVI_AREA, n_unknown);

@@ -193,8 +193,8 @@ static void put_samples(vv_answer *a, const line *l, const vv_cell *cells)
     vvi_tell_table(a, NULL, columns, COLUMNS, cells, (size_t)l->n);
 }
 
-/* Length, least, mean and largest value: what a scene keeps of a profile. No least or largest value is off by more than
- * the most that one is, no mean by more than they are on average. */
+/* Length, least, mean and largest value: what a scene keeps of a profile, and programs read. No least or largest value
+ * is off by more than the most that one is, no mean by more than they are on average. */
 static void keep_profile(vvi_measuring *m, const line *l)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
@@ -218,7 +218,7 @@ static void keep_profile(vvi_measuring *m, const line *l)
             continue;
         vvi_figure f = {.key = names[i], .value = v[i], .error = error[i]};
         snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
-        vvi_tell_figure_for(m->answer, &f, VV_FOR_SCENES);
+        vvi_tell_figure_for(m->answer, &f, VV_FOR_SCENES | VV_FOR_PROGRAMS);
     }
 }
 

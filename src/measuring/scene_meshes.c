@@ -208,8 +208,10 @@ vv_status vvi_measure_shown(vvi_measuring *m)
     found f = {.each = calloc(m->inputs->n_inputs, sizeof *f.each)};
     vv_status st =
         f.each ? measure_all(&f, m, m->what != VVI_VOLUME) : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
-    if (st == VV_OK)
+    if (st == VV_OK) {
         put_all(m, &f);
+        vvi_measuring_note_no_triangles(m, &f.total);
+    }
     free(f.each);
     return st;
 }

@@ -12,6 +12,8 @@ typedef void vvi_command_word(vvi_text *out, const char *word);
 /** What is set of an object, as options of the verb that has its class: " --name=value" each, without those that say
  * nothing beside the others. put: writes a value, as vvi_command_quote() does for a shell. Errors: VV_E_MEMORY. */
 vv_status vvi_command_options(vvi_text *out, const vv_object *params, vvi_command_word *put);
+/** Of a recipe, whose lengths keep the units that they were written with. params: what it says, or a part of that. */
+vv_status vvi_command_parameters(vvi_text *out, const vvi_made *made, const vv_object *params, vvi_command_word *put);
 /** NULL: there is none of that id. */
 const vv_dataset *vvi_command_dataset(const vv_world *world, const char *id);
 /** The one that lines take for it, and its id: of one whose operation is switched off its first input. VV_E_NOT_FOUND:

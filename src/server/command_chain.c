@@ -53,7 +53,7 @@ vv_status vvi_command_chain_step(vvi_text *out, const vvi_made *made, bool lines
         st = vv_path_unset(&params, names, NULL);
     vvi_text_printf(out, "%s%s", out->n ? " | " : "", made->operation->name);
     if (st == VV_OK && (st = put_others(out, made, lines, job)) == VV_OK)
-        st = vvi_command_options(out, params, put_word);
+        st = vvi_command_parameters(out, made, params, put_word);
     vv_object_release(params);
     return st;
 }

@@ -172,7 +172,7 @@ static vv_status put_step(vvi_text *out, const vvi_made *made, vv_job *job)
         st = vv_path_unset(&params, names, NULL);
     vvi_text_printf(out, "volvis %s", made->operation->name);
     if (st == VV_OK && (st = put_inputs(out, made, named, job)) == VV_OK &&
-        (st = vvi_command_options(out, params, vvi_command_quote)) == VV_OK) {
+        (st = vvi_command_parameters(out, made, params, vvi_command_quote)) == VV_OK) {
         vvi_text_add(out, " -o ");
         vvi_command_made(out, made->id, vvi_command_suffix(made->world, made->dataset, job));
         vvi_text_add(out, "\n");

@@ -1,4 +1,5 @@
 /* Objects as options of a command line, and words as a shell takes them. */
+#include "core/json_text.h"
 #include "core/memory.h"
 #include "core/names.h"
 #include "core/units.h"
@@ -95,14 +96,27 @@ static bool is_idle(const vv_property *row, const vv_object *params)
                          row, choice->names[*(const int *)(const void *)((const char *)params + choice->offset)]);
 }
 
-vv_status vvi_command_options(vvi_text *out, const vv_object *params, vvi_command_word *put)
+/* A length as somebody wrote it with its unit, which files of another unit need; false: it has none. */
+static bool put_length(vvi_text *out, const vv_property *row, const json_t *written, vvi_command_word *put)
+{
+    const char *text = json_string_value(json_object_get(written, row->name));
+    double bare;
+    if (!text || row->quantity != VV_Q_LENGTH || row->kind != VV_KIND_F64 || vvi_parse_number(&bare, text))
+        return false;
+    put_name(out, row, "");
+    vvi_text_add(out, "=");
+    put(out, text);
+    return true;
+}
+
+static vv_status put_options(vvi_text *out, const vv_object *params, const json_t *written, vvi_command_word *put)
 {
     for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
         char *json = NULL;
         if (row->ranged)
             put_range(out, row, params);
         if (row->ranged || (row->option && !*row->option) || !vv_object_is_set(params, row->name) ||
-            is_idle(row, params))
+            is_idle(row, params) || put_length(out, row, written, put))
             continue;
         if (row->kind == VV_KIND_NUMBERS && row->columns > 1 && !row->lone) {
             put_rows(out, row, *(vv_numbers *const *)(const void *)((const char *)params + row->offset));
@@ -115,4 +129,18 @@ vv_status vvi_command_options(vvi_text *out, const vv_object *params, vvi_comman
         free(json);
     }
     return VV_OK;
+}
+
+vv_status vvi_command_options(vvi_text *out, const vv_object *params, vvi_command_word *put)
+{
+    return put_options(out, params, NULL, put);
+}
+
+vv_status vvi_command_parameters(vvi_text *out, const vvi_made *made, const vv_object *params, vvi_command_word *put)
+{
+    const char *said = made->dataset->parameters;
+    json_t *written = vvi_json_of_own(said ? said : "{}");
+    const vv_status st = written ? put_options(out, params, written, put) : vv_fail_memory(sizeof *made);
+    json_decref(written);
+    return st;
 }

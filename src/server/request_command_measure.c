@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "core/vec.h"
 #include "measuring/measuring.h"
 #include "model/classes.h"
 #include "run/measured.h"
@@ -72,6 +73,30 @@ static bool is_file(const vv_volume *volume, const vvi_measured_volume *measured
     return measured->data.n_planes == 0 && strcmp(vv_field_get_info(measured->field)->grid.unit, unit) == 0;
 }
 
+/* Whether a mesh of the World is what its file has: nothing moves or cuts it, or tells its lengths in another unit. */
+static bool is_mesh_file(const vvi_measured_meshes *shown)
+{
+    const vv_affine here = vv_affine_identity();
+    const vv_measured_data *data = shown->data;
+    bool moved = shown->n != 1 || vvi_length(vvi_sub(data->place.origin, here.origin)) > 0;
+    for (int a = 0; a < 3 && !moved; a++)
+        moved = vvi_length(vvi_sub(data->place.axis[a], here.axis[a])) > 0;
+    return !moved && data->n_planes == 0 && strcmp(data->unit, vv_mesh_get_info(data->mesh)->unit) == 0;
+}
+
+/* As put_file(), of meshes: made ones are measured before a file rounds their places. */
+static vv_status put_mesh_file(vvi_text *out, bool *whole, const vvi_request *r, const vv_measurement *m,
+                               const vv_volume *volume, const vv_dataset *dataset, vv_job *job)
+{
+    vvi_measured_meshes shown;
+    vv_status st = vvi_measured_meshes_take(&shown, r->world, m->volume, "the World", job);
+    *whole = st == VV_OK && dataset->path && !vv_dataset_is_made(dataset) && is_mesh_file(&shown);
+    if (*whole)
+        st = put_line(out, r, vvi_volume_dataset_id(r->world, volume), m, shown.data, job);
+    vvi_measured_meshes_finish(&shown);
+    return st;
+}
+
 /* The line of the file; *whole false: the file alone would be another answer. */
 static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, const vv_measurement *m, vv_job *job)
 {
@@ -84,8 +109,10 @@ static vv_status put_file(vvi_text *out, bool *whole, const vvi_request *r, cons
         return vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' that could be measured", m->volume ? m->volume : "");
     if (!volume)
         return VV_E_NOT_FOUND;
-    if (m->file || m->other || m->mask || m->values || vv_dataset_is_mesh(dataset, job))
+    if (m->file || m->other || m->mask || m->values)
         return VV_OK;
+    if (vv_dataset_is_mesh(dataset, job))
+        return put_mesh_file(out, whole, r, m, volume, dataset, job);
     vv_field_info info;
     vv_status st = vv_dataset_info(&info, r->world, dataset, job);
     if (st == VV_OK)

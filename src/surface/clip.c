@@ -387,7 +387,8 @@ static void finish(clipper *c)
     vvi_free(c->parts);
 }
 
-static vv_status clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plane, bool cap, vv_job *job)
+/* *n_gaps: grows by the chains that do not close. */
+static vv_status clip(vv_mesh **out, size_t *n_gaps, const vv_mesh *mesh, const vv_plane *plane, bool cap, vv_job *job)
 {
     clipper c = begin(mesh, plane, job);
     c.cap = cap;
@@ -398,11 +399,7 @@ static vv_status clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plane,
     }
     if (st == VV_OK && (st = cut_all(&c)) == VV_OK)
         st = make(out, &c);
-    if (st == VV_OK && cap && c.n_gaps)
-        vvi_log(job, VV_LOG_WARNING, "surface",
-                "the surface is open where it is cut, at %zu places, which stay open; close its own border first, with "
-                "--cap",
-                c.n_gaps);
+    *n_gaps += c.n_gaps;
     finish(&c);
     return st;
 }
@@ -412,13 +409,18 @@ vv_status vvi_mesh_clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plan
 {
     vv_mesh *now = vv_mesh_retain(mesh);
     vv_status st = VV_OK;
+    size_t n_gaps = 0;
     *out = NULL;
     for (size_t i = 0; i < n_planes && st == VV_OK; i++) {
         vv_mesh *next = NULL;
-        st = clip(&next, now, &planes[i], cap, job);
+        st = clip(&next, &n_gaps, now, &planes[i], cap, job);
         vv_mesh_release(now);
         now = next;
     }
+    if (st == VV_OK && cap && n_gaps)
+        vvi_log(job, VV_LOG_WARNING, "surface",
+                "the surface has a border of its own where it is cut: it stays open there, at %zu %s", n_gaps,
+                n_gaps == 1 ? "place" : "places");
     *out = now;
     return st;
 }

@@ -56,6 +56,20 @@ def test_clamping_keeps_all_digits_and_ends_inside_the_range():
     says(fails(2, "clamp", "a.npy", "-o", "x.npy"), "range is needed")
 
 
+def test_limits_of_floats_are_the_nearest_samples():
+    """The shortest text of a sample is that sample, though its double lies beside it."""
+    need_numpy()
+    data = np.random.default_rng(5).normal(10, 9, (6, 7, 8)).astype("f4")
+    np.save("a.npy", data)
+    for lo, hi in zip(np.sort(data.ravel())[40:60], np.sort(data.ravel())[-60:-40]):
+        same(result("clamp", "--range", f"{lo!s}..{hi!s}"), np.clip(data, lo, hi), (lo, hi))
+    one = np.float32("12.17963")
+    same(result("clamp", "--range", "12.17963..12.17963"), np.full_like(data, one), "one value")
+    same(result("clamp", "--range", "-1e300..1e300"), data, "no float is so large")
+    np.save("a.npy", data.astype("f8"))
+    same(result("clamp", "--range", "12.17963.."), np.maximum(data.astype("f8"), 12.17963), "f8")
+
+
 def test_windows_are_their_formula():
     need_numpy()
     for kind in KINDS:

@@ -193,6 +193,29 @@ def test_info_lists_recipes():
     says(ok("info", "made.vv.json").text, "gaussian of in: sigma 1", "threshold of gaussian: range 90..")
 
 
+def test_lengths_keep_their_units():
+    """As they were written, so that a file in another unit that takes the place of the first is smoothed by the same length."""
+    values = RANDOM.integers(0, 255, (9, 10, 11)).astype("u1").tobytes()
+    write_samples("mmv.nrrd", (11, 10, 9), values)
+    write_samples("umv.nrrd", (11, 10, 9), values, spacing=(1000, 1000, 1000), unit="um")
+    ok("gaussian", "umv.nrrd", "--sigma", "2mm", "-o", "truth.nrrd")
+    ok("pipe", "mmv.nrrd", "gaussian --sigma 2mm", "-o", "u.vv.json")
+    ok("render", "mmv.nrrd", "--apply", "gaussian --sigma 2mm", "--size", 40, "-o", "a.png", "--save-scene", "applied.vv.json")
+    for scene in ("u.vv.json", "applied.vv.json"):
+        with open(scene, encoding="utf-8") as file:
+            world = json.load(file)
+        assert world["datasets"]["gaussian"]["parameters"] == {"sigma": "2mm"}, world
+        world["datasets"]["mmv"] = {"path": "umv.nrrd"}
+        with open("other.vv.json", "w", encoding="utf-8") as file:
+            json.dump(world, file)
+        ok("convert", "other.vv.json", "-o", "got.nrrd", "--overwrite")
+        assert read("got.nrrd").split(b"\n\n", 1)[1] == read("truth.nrrd").split(b"\n\n", 1)[1], scene
+    for typed, kept in (("--sigma 2mm --sigma 3", 3), ("--sigma 3 --sigma 1.5vox", "1.5vox"), ("--sigma 2", 2)):
+        ok("pipe", "mmv.nrrd", f"gaussian {typed}", "-o", "u.vv.json", "--overwrite")
+        made = ok("info", "u.vv.json", "--json").json["made"][0]
+        assert made["parameters"] == {"sigma": kept}, made
+
+
 def test_labels_keep_their_names_and_time_steps_their_number():
     write_labels("labels.seg.nrrd")
     ok("crop", "labels.seg.nrrd", "--x", "1:", "-o", "cropped.nrrd")

@@ -31,6 +31,10 @@ def test_a_sphere_has_its_area_and_volume_with_both_methods():
         near(found["volume"], volume, 0.004)
         assert found["unit"] == "mm" and found["area_unit"] == "mm^2" and found["volume_unit"] == "mm^3"
         assert found["method"] == method and found["region"] == "all"
+        for what in ((), ("volume",), ("area",)):
+            told = ok("measure", *what, "sphere.nrrd", "--iso", "0", "--method", method, "--json").json
+            wanted = (distance_to(64, (31.3, 32.1, 31.8)) <= 20).sum() if method == "count" else None
+            assert told.get("voxels") == wanted, what
         assert abs(found["area"] - area) < 3 * found["area_error"]
         assert abs(found["volume"] - volume) < 3 * found["volume_error"]
         for at, want in zip(found["centroid"], (31.3 / 2, 32.1 / 2, 31.8 / 2)):
@@ -590,6 +594,10 @@ def test_distances_angles_and_profiles():
     found = ok("measure", "profile", "sphere.nrrd", "--point", "3,32,32", "--point", "60,32,32", "--samples", "58", "--json").json
     values = (20 - distance_to(64, (31.3, 32.1, 31.8))).astype(np.float32)[32, 32, 3:61]
     assert len(found["profile"]) == 58
+    told = [v for _, v in found["profile"]]
+    assert (found["min"], found["max"]) == (min(told), max(told)) and found["length_unit"] == "mm"
+    near(found["length"], 28.5, 1e-12)
+    near(found["mean"], np.mean(told), 1e-12)
     for (d, v), i, want in zip(found["profile"], range(58), values):
         near(d, 0.5 * i, 1e-12) if i else None
         assert abs(v - want) < 1e-5

@@ -266,7 +266,27 @@ def test_of_meshes_boxes_are_cut_out():
     near(ok("measure", "volume", "m.vv.json", *place, *words(region="box", center=2 * middle + (5, 6, 7), size=2 * size, normal=axes[2], right=axes[0]), "--json").json["volume"], 8 * volume, 1e-5)
     ok("measure", "volume", "ball.obj", *region, "--store", "s.vv.json")
     says(ok("measure", "s.vv.json").text, "as before")
-    assert ok("measure", "area", "ball.obj", *words(region="box", center=(90, 0, 0), size=(1, 1, 1)), "--json").json["area"] == 0
+    missed = words(region="box", center=(90, 0, 0), size=(1, 1, 1))
+    assert ok("measure", "area", "ball.obj", *missed, "--json").json["area"] == 0
+    for path in ("ball.obj", "m.vv.json"):
+        says(ok("measure", path, *missed).message, "nothing of the mesh lies in the region: the object is empty")
+    assert "closed" not in ok("measure", "ball.obj", *missed).text
+    assert "empty" not in ok("measure", "ball.obj", *region).message
+
+
+def test_that_an_open_mesh_stays_open_is_said_once():
+    write_ball("ball.obj", 10, n=8)
+    with open("ball.obj", encoding="ascii") as file:
+        lines = file.readlines()
+    faces = [i for i, line in enumerate(lines) if line.startswith("f ")]
+    with open("open.obj", "w", encoding="ascii") as file:
+        file.writelines(line for i, line in enumerate(lines) if i not in faces[len(faces) // 2 - 9:len(faces) // 2 + 9])
+    region = words(region="box", center=(0, 0, 0), size=(30, 3, 3))
+    refused = volvis("measure", "volume", "open.obj", *region)
+    said = refused.message
+    assert refused.code == 2
+    says(said, "it stays open there, at", "the mesh is open", "ask for its area only")
+    assert said.count("stays open") == 1 and "--cap" not in said and "1 places" not in said, said
 
 
 def test_of_meshes_other_regions_are_refused_in_a_sentence():

@@ -136,11 +136,31 @@ def test_in_little_memory_it_is_the_same():
         assert open("whole.npy", "rb").read() == open("parts.npy", "rb").read(), verb
 
 
+def test_amounts_that_may_be_labels_are_told():
+    """Two labels that touch: as amounts the larger one grows over the other, as labels neither."""
+    need_scipy()
+    data = np.zeros((12, 14, 16), "u1")
+    data[2:10, 2:12, 2:8] = 3
+    data[2:10, 2:12, 8:14] = 5
+    advice = "taken as amounts"
+    for kind in ("u1", "i2", "i4"):
+        np.save("a.npy", data.astype(kind))
+        for verb in ("dilate", "erode", "open", "close"):
+            said = ok(verb, "a.npy", "-o", "b.npy", "--overwrite").message
+            assert said.count(advice) == 1 and "convert FILE -o labels.seg.nrrd" in said, said
+    ok("convert", "a.npy", "-o", "a.seg.nrrd")
+    assert advice not in ok("erode", "a.seg.nrrd", "-o", "b.seg.nrrd", "--label", "3").message
+    rng = np.random.default_rng(4)
+    for other in ((data == 3) * 255, rng.integers(0, 5, data.shape), rng.normal(90, 30, data.shape).clip(0, 255), data * 100.5):
+        np.save("a.npy", other.astype("f4" if other.dtype.kind == "f" and other.max() > 255 else "u1"))
+        assert advice not in ok("erode", "a.npy", "-o", "b.npy", "--overwrite").message
+
+
 def test_what_makes_no_sense_is_refused_in_words():
     need_scipy()
     np.save("a.npy", samples("u1", (5, 5, 300)))
     assert "too large" in fails(2, "dilate", "a.npy", "-o", "b.npy", "--radius", "120")
-    assert "label" in fails(2, "dilate", "a.npy", "-o", "b.npy", "--label", "3")
+    assert "convert FILE -o labels.seg.nrrd" in fails(2, "dilate", "a.npy", "-o", "b.npy", "--label", "3")
     assert "ball" in fails(2, "dilate", "a.npy", "-o", "b.npy", "--shape", "bal")
 
 

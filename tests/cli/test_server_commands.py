@@ -192,6 +192,22 @@ def test_names_that_are_given_are_those_of_channels():
     says(ok("info", "made.nrrd").text, "gray matter", "white matter")
 
 
+def test_lengths_are_copied_as_they_were_typed():
+    write_ball("ball.nrrd", 16)
+
+    async def work():
+        async with Page(server, 32, 32) as page:
+            a = await check_run(page, "gaussian", "ball", {"sigma": "2mm"})
+            says((await page.ask("command", dataset=a))["text"], "--sigma='2mm'")
+            await page.edit(("set", f"datasets.{a}.parameters.sigma", "6mm"))
+            says((await page.ask("command", dataset=a))["text"], "--sigma='6mm'")
+            says((await page.ask("command", form="pipe", dataset=a))["text"], "gaussian --sigma=6mm")
+            await page.edit(("set", f"datasets.{a}.parameters.sigma", 3))
+            says((await page.ask("command", dataset=a))["text"], "--sigma='3'")
+    with Server("ball.nrrd") as server:
+        run(work())
+
+
 def test_lines_of_chains_and_of_what_stands_on_several():
     write_nifti("t.nii")
 

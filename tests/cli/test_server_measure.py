@@ -165,6 +165,38 @@ def test_each_stored_one_has_the_line_that_measures_it_again():
     with_page(work, "ball.nrrd")
 
 
+def test_those_of_meshes_have_the_line_of_their_file():
+    """Where nothing moves or cuts the mesh, and no other is seen with it."""
+    prepare()
+    kept = {"skin": {"what": "area"}, "all": {"what": "summary"}, "length": {"what": "distance", "points": [[5, 1, 1]], "space": "world"},
+            "bend": {"what": "angle", "points": [[5, 1, 1], [0, 0, 0], [1, 2, 3.5]]}, "way": {"what": "geodesic", "points": [[0, 0.5, 1], [2, 1, 1.25]]},
+            "part": {"what": "volume", "region": {"kind": "box", "center": [1, 1, 1], "size": [1, 4, 4]}}}
+
+    async def work(page):
+        for name, question in kept.items():
+            await page.ask("edit", edits=[{"op": "add", "path": "measurements", "id": name, "value": question}])
+            found = (await page.ask("measure", question=question))["answer"]
+            words = shlex.split((await page.ask("command", measurement=name))["text"])
+            assert words[:2] == ["volvis", "measure"] and "a.stl" in " ".join(words), words
+            found.pop("mesh", None)
+            said = asked(*words[2:])
+            said.pop("mesh", None)
+            assert said == found, (words, said, found)
+        for edit in (("set", "volumes.a.place.scale", [2, 1, 1]), ("set", "cut_planes", [{"normal": [1, 0, 0], "offset": 1}])):
+            await page.edit(edit)
+            says((await page.ask("command", measurement="skin"))["text"], "volvis measure stored scene.vv.json 'skin'")
+            await page.ask("edit", edits=[{"op": "unset", "path": edit[1]}])
+
+    async def both(page):
+        for name, volume, words in (("skin", None, "stored scene.vv.json"), ("one", "b", "area 'b.stl'")):
+            question = {"what": "area", **({"volume": volume} if volume else {})}
+            await page.ask("edit", edits=[{"op": "add", "path": "measurements", "id": name, "value": question}])
+            line = (await page.ask("command", measurement=name))["text"]
+            assert words in line.replace(os.getcwd() + "/", ""), line
+    with_page(work, "a.stl")
+    with_page(both, "a.stl", "b.stl")
+
+
 def test_no_file_is_read_that_is_not_of_the_world():
     prepare()
 
