@@ -249,7 +249,7 @@ static const struct {
 } rows[] = {
     {"hello", hello, false},
     {"size", size, false},
-    {"events", vvi_message_events, false},
+    {"events", vvi_message_events, true},
     {"ack", vvi_message_ack, false},
     {"edit", edit, true},
     {"new", begin_anew, true},

@@ -359,6 +359,38 @@ static void what_there_was_no_memory_to_tell_is_not_null(void **state)
     }
 }
 
+static void what_asks_for_an_answer_has_one(void **state)
+{
+    static const char *const asked[] = {
+        "{\"type\": \"events\", \"id\": 7, \"lines\": \"\"}",
+        "{\"type\": \"size\", \"id\": 7, \"width\": 24, \"height\": 16}",
+        "{\"type\": \"ack\", \"id\": 7, \"frame\": 1}",
+        "{\"type\": \"edit\", \"id\": 7, \"edits\": []}",
+        "{\"type\": \"undo\", \"id\": 7}",
+        "{\"type\": \"action\", \"id\": 7, \"name\": \"none of them\"}",
+        "{\"type\": \"camera\", \"id\": 7, \"eye\": [9, 9, 9], \"at\": [0, 0, 0], \"up\": [0, 1, 0]}",
+        "{\"type\": \"browse\", \"id\": 7, \"path\": \"\"}",
+        "{\"type\": \"cancel\", \"id\": 7, \"job\": -1}",
+        "{\"type\": \"world\", \"id\": 7}",
+    };
+    talk *t = *state;
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++) {
+        int n = 0;
+        say(t, asked[i]);
+        say(t, "{\"type\": \"cancel\", \"id\": 8, \"job\": -1}");
+        for (bool found = false; !found;) {
+            char *text = next(t);
+            n += strstr(text, "\"id\": 7") != NULL;
+            found = strstr(text, "\"id\": 8") != NULL;
+            if (!*text)
+                acknowledge(t);
+            free(text);
+        }
+        if (n != 1)
+            fail_msg("%d answers to %s", n, asked[i]);
+    }
+}
+
 static char *long_text(size_t n)
 {
     char *text = vvi_calloc(n + 1, 1);
@@ -418,6 +450,7 @@ int main(void)
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
         cmocka_unit_test(a_question_without_memory_is_refused_or_answered),
         cmocka_unit_test(what_there_was_no_memory_to_tell_is_not_null),
+        cmocka_unit_test(what_asks_for_an_answer_has_one),
         cmocka_unit_test(news_that_wait_hinder_no_page_to_be_heard),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
