@@ -114,7 +114,8 @@ typedef struct vv_run vv_run;
 VV_API vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps,
                             size_t n_steps, const vv_run_output *output, const char *name, vv_job *job);
 VV_API const vv_run_about *vv_run_get_about(const vv_run *run);
-/** Run the steps, once. What they find is told by vv_job_finding(). */
+/** Run the steps, once: where memory turns out not to hold what was planned as a whole, slab by slab if they can. What
+ * they find is told by vv_job_finding(). Errors: VV_E_LIMIT says how much memory would be enough. */
 VV_API vv_status vv_run_make(vv_run *run);
 /** The mesh that was made; NULL: there is none. Borrowed. */
 VV_API const vv_mesh *vv_run_mesh(const vv_run *run);

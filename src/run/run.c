@@ -96,20 +96,11 @@ const vv_run_about *vv_run_get_about(const vv_run *run)
     return &run->about;
 }
 
-vv_status vvi_run_make(vv_run *run)
+vv_status vv_run_make(vv_run *run)
 {
     if (run->results)
         return vv_fail(VV_E_ARGUMENT, "%s: has run already", run->name);
-    const vv_status st = vvi_run_make_all(run);
-    if (st == VV_OK && run->about.makes == VV_IS_FIELD)
-        run->about.result = *vv_field_get_info(run->results[0].field);
-    return st;
-}
-
-vv_status vv_run_make(vv_run *run)
-{
-    if (!run->results)
-        vv_job_forget_findings(run->job);
+    vv_job_forget_findings(run->job);
     return vvi_run_make(run);
 }
 
@@ -186,11 +177,7 @@ vv_status vv_run_write(vv_run *run)
         return vv_fail(VV_E_ARGUMENT, "%s: there is no file to write the result to", run->name);
     if (run->written)
         return vv_fail(VV_E_ARGUMENT, "%s: is written already", run->name);
-    vv_status st = VV_OK;
-    if (!run->results) {
-        vv_job_forget_findings(run->job);
-        st = vvi_run_make_fitting(run);
-    }
+    vv_status st = run->results ? VV_OK : vv_run_make(run);
     if (st != VV_OK)
         return st;
     run->written = true;

@@ -32,8 +32,6 @@ typedef struct vvi_run_plan {
 
 /** vv_run_new() of such steps. */
 vv_status vvi_run_new(vv_run **out, const vvi_run_plan *plan, const vv_run_output *output, vv_job *job);
-/** vv_run_make() that leaves what the job was told before. */
-vv_status vvi_run_make(vv_run *run);
 
 /** A field of which there is the grid alone: asking for samples is an error. */
 vv_status vvi_run_grid(vv_field **out, const vv_field_info *info, vv_job *job);
@@ -89,11 +87,13 @@ int vvi_run_last(const vv_run *run);
 size_t vvi_run_joined(const vv_run *run, size_t s, int64_t *index);
 /** Whole numbers that a format of labels is given are labels. */
 void vvi_run_declare_label(vv_field_info *info, const vv_run *run);
-/** run_need.c: vvi_run_make(), and the first slab of what streams; VV_E_LIMIT says how much memory would be enough. */
-vv_status vvi_run_make_fitting(vv_run *run);
+/** run_need.c: vv_run_make() that leaves what the job was told before: run->results, and the first slab of what
+ * streams, slab by slab where memory turns out not to hold the whole; VV_E_LIMIT says how much memory would be enough.
+ */
+vv_status vvi_run_make(vv_run *run);
 /** Whether a run that is only planned will be refused so, where its first slab tells. */
 vv_status vvi_run_try(vv_run *run);
-/** run_make.c: run->results. */
+/** run_make.c: run->results, as it is planned. */
 vv_status vvi_run_make_all(vv_run *run);
 /** People are told that a mesh is of the first of so many time steps; of one there is nothing to be told. */
 void vvi_run_note_first(int64_t n_frames, vv_job *job);

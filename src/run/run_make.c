@@ -343,6 +343,7 @@ vv_status vvi_run_make_all(vv_run *r)
     if (st != VV_OK) {
         free(r->results);
         r->results = NULL;
-    }
+    } else if (r->about.makes == VV_IS_FIELD)
+        r->about.result = *vv_field_get_info(r->results[0].field);
     return st;
 }

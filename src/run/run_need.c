@@ -12,14 +12,15 @@ enum {
     TRIALS = 48          /* of limits, each an eighth above the one before */
 };
 
-/* The first slab, which stays for whoever writes it. The others take no more, or get thinner. */
-static vv_status make_first(const vv_run *r, vv_job *job)
+/* The first slab, which stays for whoever reads or writes it. The others take no more, or get thinner. */
+static vv_status make_first(const vv_run *r, bool written, vv_job *job)
 {
     const int64_t *n = vv_field_get_info(r->results[0].field)->grid.dims;
     const vv_box slice = {{0, 0, 0}, {n[0], n[1], 1}};
-    void *writing = vvi_alloc(job, WRITING, VVI_MEM_SCRATCH);
+    void *writing = written ? vvi_alloc(job, WRITING, VVI_MEM_SCRATCH) : NULL;
     vv_brick brick;
-    vv_status st = writing ? vv_field_brick(&brick, r->results[0].field, &slice, job) : vv_fail_memory(WRITING);
+    vv_status st =
+        written && !writing ? vv_fail_memory(WRITING) : vv_field_brick(&brick, r->results[0].field, &slice, job);
     if (st == VV_OK)
         vv_brick_release(&brick);
     vvi_free(writing);
@@ -54,8 +55,8 @@ static vv_status try_in(const vv_run *r, uint64_t limit)
         st = vvi_run_new(&run, &plan, &(vv_run_output){.path = NULL}, job);
     if (st == VV_OK && run->about.streamed) { /* what memory holds as a whole is not tried */
         run->stream.rehearses = has_passes(r);
-        if ((st = vvi_run_make(run)) == VV_OK)
-            st = make_first(run, job);
+        if ((st = vvi_run_make_all(run)) == VV_OK)
+            st = make_first(run, r->path != NULL, job);
     }
     vv_run_release(run);
     vv_job_release(job);
@@ -115,9 +116,9 @@ static vv_status make_planned(vv_run *r)
     vv_status st = passes ? rehearse(r) : VV_OK;
     if (st != VV_OK)
         return st;
-    st = vvi_run_make(r);
+    st = vvi_run_make_all(r);
     if (st == VV_OK && r->about.streamed && (st = vvi_field_prepare(r->results[0].field, r->job)) == VV_OK)
-        st = make_first(r, r->job);
+        st = make_first(r, r->path != NULL, r->job);
     /* memory is of no file; and what has passed the rehearsal says itself what it lacks */
     return st != VV_E_LIMIT || !r->about.streamed || passes || vv_error_last()->file ? st : tell_need(r);
 }
@@ -138,7 +139,7 @@ static vv_status stream_instead(vv_run *r)
     return vvi_error_put(&before); /* what came by a pipe is gone, say */
 }
 
-vv_status vvi_run_make_fitting(vv_run *r)
+vv_status vvi_run_make(vv_run *r)
 {
     const vv_status st = make_planned(r);
     const bool can = r->about.makes == VV_IS_FIELD && !r->whole && r->job && vv_job_runtime(r->job);
@@ -149,5 +150,5 @@ vv_status vvi_run_try(vv_run *r)
 {
     if (!r->about.streamed || has_looks(r))
         return VV_OK;
-    return has_passes(r) ? rehearse(r) : vvi_run_make_fitting(r);
+    return has_passes(r) ? rehearse(r) : vvi_run_make(r);
 }

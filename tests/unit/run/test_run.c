@@ -346,6 +346,62 @@ static vv_field *make_ball(vv_job *job)
     return field;
 }
 
+/* Every other voxel, so that there is a piece each. */
+static vv_field *make_board(int64_t side)
+{
+    vv_field_info info = vv_field_info_default();
+    void *data;
+    vv_field *field;
+    info.type = VV_TYPE_U8;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = side;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    for (int64_t i = 0; i < side * side * side; i++)
+        ((uint8_t *)data)[i] = (i % side + i / side % side + i / side / side) % 2 == 0;
+    return field;
+}
+
+static void assert_counts_up(const vv_field *field)
+{
+    const vv_box all = vv_field_box(field);
+    const int64_t side = all.n[0];
+    for (int64_t k = 0; k < side; k++) {
+        const vv_box slice = {{0, 0, k}, {side, side, 1}};
+        vv_brick brick;
+        assert_int_equal(vv_field_brick(&brick, field, &slice, NULL), VV_OK);
+        for (int64_t i = 0; i < side * side; i++) {
+            const bool inside = (i % side + i / side + k) % 2 == 0;
+            const uint32_t *row = (const uint32_t *)brick.data;
+            assert_int_equal(row[i], inside ? (k * side * side + i) / 2 + 1 : 0);
+        }
+        vv_brick_release(&brick);
+    }
+}
+
+/* How many pieces there are is known when they are counted: what was to fit begins again slab by slab. */
+static void samples_that_need_more_than_was_foretold_are_made_in_slabs(void **state)
+{
+    enum { SIDE = 64 };
+    vv_field *board = make_board(SIDE);
+    const vv_step step = step_of(&vvi_operation_components, NULL);
+    const vv_run_input input = {.frame = -1, .field = board, .name = "board"};
+    int begun_again = 0;
+    for (uint64_t limit = 1 << 20; limit < 16 << 20; limit += limit / 8) {
+        vv_job *job = test_job(2, limit);
+        vv_run *run;
+        assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = NULL}, "components", job),
+                         VV_OK);
+        const bool planned = vv_run_get_about(run)->streamed;
+        assert_int_equal(vv_run_make(run), VV_OK);
+        begun_again += !planned && vv_run_get_about(run)->streamed;
+        assert_counts_up(vv_run_field(run, 0));
+        vv_run_release(run);
+        vv_job_release(job);
+    }
+    assert_true(begun_again > 0);
+    vv_object_release(step.params);
+    vv_field_release(board);
+}
+
 static const char *found(const vv_job *job, const char *name)
 {
     vv_finding f;
@@ -481,6 +537,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
         cmocka_unit_test(rows_without_samples_are_refused),
+        cmocka_unit_test(samples_that_need_more_than_was_foretold_are_made_in_slabs),
         cmocka_unit_test_setup_teardown(steps_lead_from_samples_to_a_mesh, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(no_step_makes_a_result_of_a_file_that_shrinks, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(a_streamed_file_that_shrinks_says_so, io_setup, io_teardown),
