@@ -53,8 +53,9 @@ vv_status vvi_measurement_shape(vv_region_shape *out, double **outline, const vv
 vv_status vvi_measuring_take_region(vvi_measuring *m);
 void vvi_measuring_name_region(char out[64], const vvi_measuring *m);
 vv_status vvi_measuring_put_region(vvi_measuring *m);
-/** Of a mesh: the six planes of a region that is a box, in the world, and what is told of it. None: *n is 0. */
-vv_status vvi_measuring_mesh_region(vv_plane out[6], size_t *n, const vvi_measuring *m);
+/** Of a mesh: the region in the world, and what is told of it; of kind VV_REGION_NONE where there is none. *outline is
+ * yours to free(), also when this fails. */
+vv_status vvi_measuring_mesh_region(vv_region_shape *out, double **outline, const vvi_measuring *m);
 /** Whether the question is of a part of the volume: a region, a box of samples, or what planes leave. */
 bool vvi_measuring_is_part(const vvi_measuring *m);
 /** Where no object is asked for: of a region all of it; else the values above the one that best splits the histogram,

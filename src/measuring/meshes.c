@@ -43,7 +43,7 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
         vvi_tell(a, "area", "area", m->area.value, m->area.error, m->area.unit);
     if ((what & VVI_VOLUME) && (m->closed || what != VVI_EXTENT))
         vvi_tell(a, "volume", "volume", m->volume.value, m->volume.error, m->volume.unit);
-    if (what & VVI_BOX)
+    if ((what & VVI_BOX) && !isnan(m->bounds.lo.x))
         put_place(a, m, unit);
     if (m->inside_out)
         vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
@@ -51,28 +51,25 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
 
 void vvi_measuring_note_no_triangles(vvi_measuring *m, const vv_mesh_measures *found)
 {
-    if (found->n_triangles == 0)
+    if (found->n_triangles == 0 && !(found->volume.value > 0))
         vvi_tell_note(m->answer, "nothing of the mesh %s: the object is empty",
                       vvi_measurement_has_region(m->asked) ? "lies in the region" : "is left");
 }
 
 vv_status vvi_measure_mesh(vvi_measuring *m)
 {
-    const vv_mesh *mesh = m->input->mesh;
-    vv_mesh_measure_options o;
+    vv_measured_data own = *m->input;
     vv_mesh_measures found;
-    vv_mesh_measure_options_init(&o, sizeof o);
-    vv_plane region[6];
-    size_t n;
-    o.open = m->what != VVI_VOLUME;
-    vv_status st = vvi_measuring_mesh_region(region, &n, m);
-    if (st == VV_OK && n > 0)
-        st = vvi_measure_mesh_within(&found, m, region, n);
-    else if (st == VV_OK && (st = vv_mesh_measure(&found, mesh, &o, m->job)) != VV_OK)
-        st = vv_fail_in(st, "%s", m->input->name);
+    vv_region_shape region;
+    own.place = vv_affine_identity();
+    own.unit = vv_mesh_get_info(own.mesh)->unit;
+    own.n_planes = 0;
+    vv_status st = vvi_measuring_mesh_region(&region, &m->outline, m);
+    if (st == VV_OK && (st = vvi_measuring_check_mesh_region(m, &region)) == VV_OK)
+        st = vvi_measure_in_region(&found, &own, &region, m->what != VVI_VOLUME, false, m->job);
     if (st != VV_OK)
         return st;
-    vvi_mesh_measures_put(m->answer, m->what, &found, vv_mesh_get_info(mesh)->unit);
+    vvi_mesh_measures_put(m->answer, m->what, &found, own.unit);
     vvi_measuring_note_no_triangles(m, &found);
     return VV_OK;
 }

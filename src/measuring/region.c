@@ -217,50 +217,48 @@ vv_status vvi_measuring_put_region(vvi_measuring *m)
 
 static vv_status check_of_mesh(const vv_measured_region *r)
 {
-    if (r->kind != VV_REGION_BOX)
+    const bool polygon = r->kind == VV_REGION_POLYGON;
+    const double depth = polygon ? r->thickness : r->size.z;
+    if (r->kind == VV_REGION_ELLIPSE)
         return vv_fail(VV_E_ARGUMENT,
-                       "--region %s: of a mesh, which is cut by planes, only what lies in a box is measured: give "
-                       "--region box",
+                       "--region %s: of a mesh, what lies in a box, a polygon or an ellipsoid is "
+                       "measured: give one of them",
                        kind_name(r));
-    if (is_set(r, "size") && !(r->size.z > 0))
-        return vv_fail(VV_E_ARGUMENT,
-                       "--size: a mesh has no slices, so that all three extents are above 0; found "
-                       "%g,%g,%g",
-                       r->size.x, r->size.y, r->size.z);
+    if ((polygon || is_set(r, "size")) && !(depth > 0))
+        return vv_fail(VV_E_ARGUMENT, "%s: a mesh has no slices, so that %s above 0; found %g",
+                       polygon ? "--thickness" : "--size", polygon ? "it is" : "all three extents are", depth);
     return VV_OK;
 }
 
-static void tell_box(vv_answer *a, const vv_region_shape *box, const char *unit)
+static void tell_shape(vv_answer *a, const vv_measured_region *r, const vv_region_shape *shape, const char *unit)
 {
-    vvi_figure f = {.key = "region_volume_exact", .label = "", .value = vv_region_shape_volume(box), .error = NAN};
+    vvi_figure f = {.key = "region_volume_exact", .label = "", .value = vv_region_shape_volume(shape), .error = NAN};
     vvi_power_unit(f.unit, unit, 3);
-    snprintf(a->region, sizeof a->region, "box");
+    snprintf(a->region, sizeof a->region, "%s", kind_name(r));
     vvi_tell_text(a, "region", a->region);
-    vvi_tell_line(a, "region", "box of %.6g x %.6g x %.6g %s", 2 * box->half[0], 2 * box->half[1], 2 * box->half[2],
-                  unit);
+    if (r->kind == VV_REGION_POLYGON)
+        vvi_tell_line(a, "region", "polygon of %zu corners, %.6g %s thick", n_vertices(r), r->thickness, unit);
+    else
+        vvi_tell_line(a, "region", "%s of %.6g x %.6g x %.6g %s", kind_name(r), r->size.x, r->size.y, r->size.z, unit);
     vvi_tell_figure_for(a, &f, VV_FOR_ALL & ~VV_FOR_PEOPLE);
 }
 
-vv_status vvi_measuring_mesh_region(vv_plane out[6], size_t *n, const vvi_measuring *m)
+vv_status vvi_measuring_mesh_region(vv_region_shape *out, double **outline, const vvi_measuring *m)
 {
+    const vv_measured_region *r = region_of(m->asked);
     const vv_affine world = vv_affine_identity();
-    vv_region_shape box;
-    double *outline = NULL;
-    *n = 0;
+    *out = (vv_region_shape){.kind = VV_REGION_NONE};
+    *outline = NULL;
     if (!vvi_measurement_has_region(m->asked))
         return VV_OK;
-    vv_status st = check_of_mesh(region_of(m->asked));
+    vv_status st = check_of_mesh(r);
     if (st == VV_OK)
-        st = vvi_measurement_shape(&box, &outline, m->asked, &world);
-    free(outline);
-    for (int a = 0; a < 3 && st == VV_OK; a++) {
-        const vv_vec3 axis = box.frame.axis[a];
-        const double middle = vvi_dot(axis, box.frame.origin);
-        out[(*n)++] = (vv_plane){axis, middle - box.half[a]};
-        out[(*n)++] = (vv_plane){vvi_scaled(axis, -1), -middle - box.half[a]};
-    }
+        st = vvi_measurement_shape(out, outline, m->asked, &world);
+    if (st == VV_OK && isnan(vv_region_shape_volume(out)))
+        st = vv_fail(VV_E_ARGUMENT, "--vertex: the polygon crosses itself: of a mesh what lies in one that does not is "
+                                    "measured");
     if (st == VV_OK)
-        tell_box(m->answer, &box,
-                 m->input->mesh && !m->input->shown ? vv_mesh_get_info(m->input->mesh)->unit : m->input->unit);
+        tell_shape(m->answer, r, out,
+                   m->input->mesh && !m->input->shown ? vv_mesh_get_info(m->input->mesh)->unit : m->input->unit);
     return st;
 }

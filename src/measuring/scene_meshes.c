@@ -1,6 +1,7 @@
-/* Meshes of a scene, where it places them and cut as it cuts them; and what of a mesh is in a region. */
+/* Meshes of a scene, where it places them and cut as it cuts them. */
 #include "core/memory.h"
 #include "core/vec.h"
+#include "measure/mesh_ellipsoid.h"
 #include "measuring/meshes.h"
 #include "surface/clip.h"
 #include <math.h>
@@ -22,7 +23,27 @@ static vv_status cut(vv_mesh **out, const vv_measured_data *s, bool cap, vv_job 
     return st;
 }
 
-static vv_status measure_cut(vv_mesh_measures *out, const vv_measured_data *s, bool cap, bool open, vv_job *job)
+/* Of the whole mesh known: what is in the ellipsoid, with errors that are enough for the whole. */
+static vv_status keep_inside(vv_mesh_measures *out, const vv_mesh *mesh, const vv_measured_data *s,
+                             const vv_region_shape *ellipsoid, vv_job *job)
+{
+    const vv_vec3 none = {NAN, NAN, NAN};
+    vvi_mesh_inside inside;
+    const vv_status st = vvi_mesh_in_ellipsoid(&inside, mesh, &s->place, ellipsoid, job);
+    if (st != VV_OK)
+        return st;
+    out->n_triangles = inside.n_triangles;
+    out->area.value = inside.area;
+    if (out->closed)
+        out->volume.value = fmax(0, out->inside_out ? -inside.volume : inside.volume);
+    out->bounds = (vv_bounds){none, none};
+    for (int a = 0; a < 3; a++)
+        out->centroid[a].value = out->centroid[a].error = NAN;
+    return VV_OK;
+}
+
+static vv_status measure_cut(vv_mesh_measures *out, const vv_measured_data *s, const vv_region_shape *ellipsoid,
+                             bool cap, bool open, vv_job *job)
 {
     vv_mesh_measure_options o;
     vv_mesh *kept = NULL;
@@ -33,46 +54,21 @@ static vv_status measure_cut(vv_mesh_measures *out, const vv_measured_data *s, b
     vv_status st = cut(&kept, s, cap, job);
     if (st == VV_OK && (st = vv_mesh_measure(out, kept, &o, job)) != VV_OK)
         st = s->shown ? vv_fail_in(st, "volumes.%s", s->shown) : vv_fail_in(st, "%s", s->name);
+    if (st == VV_OK && ellipsoid)
+        st = keep_inside(out, kept, s, ellipsoid, job);
     vv_mesh_release(kept);
     return st;
 }
 
-/* Cut, it is closed with flat faces, which are no part of its area unless they are asked for. */
-static vv_status measure_shown(vv_mesh_measures *out, const vv_measured_data *s, bool open, bool closed, vv_job *job)
+vv_status vvi_measure_cut_mesh(vv_mesh_measures *out, const vv_measured_data *data, const vv_region_shape *ellipsoid,
+                               bool open, bool closed, vv_job *job)
 {
     vv_mesh_measures without;
-    vv_status st = measure_cut(out, s, true, open, job);
-    if (st == VV_OK && s->n_planes && !closed && (st = measure_cut(&without, s, false, true, job)) == VV_OK)
+    vv_status st = measure_cut(out, data, ellipsoid, true, open, job);
+    if (st == VV_OK && data->n_planes && !closed &&
+        (st = measure_cut(&without, data, ellipsoid, false, true, job)) == VV_OK)
         out->area = without.area;
     return st;
-}
-
-/* What of it is in the planes of a region, too. */
-static vv_status measure_within(vv_mesh_measures *out, const vv_measured_data *data, const vv_plane *region, size_t n,
-                                bool open, bool closed, vv_job *job)
-{
-    vv_measured_data within = *data;
-    vv_plane *planes = calloc(data->n_planes + n + 1, sizeof *planes);
-    if (!planes)
-        return vv_fail_memory((data->n_planes + n) * sizeof *planes);
-    for (size_t i = 0; i < data->n_planes; i++)
-        planes[i] = data->planes[i];
-    for (size_t i = 0; i < n; i++)
-        planes[data->n_planes + i] = region[i];
-    within.planes = planes;
-    within.n_planes = data->n_planes + n;
-    const vv_status st = measure_shown(out, &within, open, closed, job);
-    free(planes);
-    return st;
-}
-
-vv_status vvi_measure_mesh_within(vv_mesh_measures *out, const vvi_measuring *m, const vv_plane *region, size_t n)
-{
-    vv_measured_data own = *m->input;
-    own.place = vv_affine_identity();
-    own.unit = vv_mesh_get_info(own.mesh)->unit;
-    own.n_planes = 0;
-    return measure_within(out, &own, region, n, m->what != VVI_VOLUME, false, m->job);
 }
 
 /* Places, and triangles that still face outwards where it is mirrored. */
@@ -152,18 +148,16 @@ static void add(vv_mesh_measures *total, const vv_mesh_measures *m, bool first)
     total->n_turned_edges += m->n_turned_edges;
 }
 
-static vv_status measure_all(found *f, const vvi_measuring *m, bool open)
+static vv_status measure_all(found *f, const vvi_measuring *m, const vv_region_shape *region, bool open)
 {
     const vv_measured_data *all = m->inputs->input;
-    vv_plane region[6];
-    size_t n = 0;
-    vv_status st = vvi_measuring_mesh_region(region, &n, m);
+    vv_status st = vvi_measuring_check_mesh_region(m, region);
     for (size_t i = 0; i < m->inputs->n_inputs && st == VV_OK; i++) {
         if (strcmp(all[i].unit, all[0].unit) != 0)
             st = vv_fail(VV_E_ARGUMENT, "volumes.%s is in %s and volumes.%s in %s: convert one, or hide one with --set",
                          all[0].shown, all[0].unit, all[i].shown, all[i].unit);
         if (st == VV_OK &&
-            (st = measure_within(&f->each[i], &all[i], region, n, open, m->asked->closed, m->job)) == VV_OK)
+            (st = vvi_measure_in_region(&f->each[i], &all[i], region, open, m->asked->closed, m->job)) == VV_OK)
             add(&f->total, &f->each[i], i == 0);
     }
     return st;
@@ -205,9 +199,12 @@ static void put_all(const vvi_measuring *m, const found *f)
 
 vv_status vvi_measure_shown(vvi_measuring *m)
 {
+    vv_region_shape region;
     found f = {.each = calloc(m->inputs->n_inputs, sizeof *f.each)};
-    vv_status st =
-        f.each ? measure_all(&f, m, m->what != VVI_VOLUME) : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
+    vv_status st = vvi_measuring_mesh_region(&region, &m->outline, m);
+    if (st == VV_OK)
+        st = f.each ? measure_all(&f, m, &region, m->what != VVI_VOLUME)
+                    : vv_fail_memory(m->inputs->n_inputs * sizeof *f.each);
     if (st == VV_OK) {
         put_all(m, &f);
         vvi_measuring_note_no_triangles(m, &f.total);

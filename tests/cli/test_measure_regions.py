@@ -289,9 +289,78 @@ def test_that_an_open_mesh_stays_open_is_said_once():
     assert said.count("stays open") == 1 and "--cap" not in said and "1 places" not in said, said
 
 
+def write_mesh(name, corners, faces):
+    with open(name, "w", encoding="ascii") as file:
+        file.write("".join("v %.9g %.9g %.9g\n" % tuple(p) for p in corners) + "".join("f %d %d %d\n" % tuple(k + 1 for k in f) for f in faces))
+
+
+def write_block(name, half):
+    """A block around the origin."""
+    corners = [[h * (1 if i >> a & 1 else -1) for a, h in enumerate(half)] for i in range(8)]
+    write_mesh(name, corners, [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)])
+
+
+def test_of_meshes_ellipsoids_have_a_closed_form():
+    def measured(path, center, size, *more):
+        found = ok("measure", path, *words(region="ellipsoid", center=center, size=size, **dict(more)), "--json").json
+        return found["area"], found["volume"], found
+
+    write_block("block.obj", (5, 5, 5))
+    third = 4 * np.pi / 3
+    for center, size, area, volume in (((0, 0, 0), (4, 4, 4), 0, third * 8),                     # all of it inside: no triangle is met
+                                       ((0, 0, 0), (40, 40, 40), 600, 1000),                     # all of the block
+                                       ((5, 0, 0), (4, 4, 4), 4 * np.pi, third * 4),             # its middle on a face
+                                       ((5, 5, 0), (4, 4, 4), 2 * 2 * np.pi, third * 2),         # on an edge
+                                       ((5, 5, 5), (4, 4, 4), 3 * np.pi, third),                 # on a corner
+                                       ((4, 0, 0), (4, 4, 4), 3 * np.pi, third * 8 - np.pi * 5 / 3),  # a cap 1 high cut off
+                                       ((6.5, 0, 0), (4, 4, 4), np.pi * 1.75, np.pi * 0.25 * 5.5 / 3),
+                                       ((5, 0, 0), (4, 6, 8), np.pi * 12, third * 12),
+                                       ((20, 0, 0), (4, 4, 4), 0, 0)):
+        found = measured("block.obj", center, size)
+        assert abs(found[0] - area) < 1e-9 * (1 + area) and abs(found[1] - volume) < 1e-9 * (1 + volume), (center, size, found[:2], area, volume)
+    random = np.random.default_rng(5)                                                            # anywhere, turned: by counting places
+    axes = axes_of((1, 1, 2), (1, -0.3, 0))
+    middle, half = np.array((3, 2, -4)), np.array((4, 6, 3))
+    places = random.uniform(-1, 1, (2000000, 3))
+    places = places[(places**2).sum(1) <= 1]
+    want = (np.abs(middle + (places * half) @ axes) <= 5).all(1).mean() * third * np.prod(half)
+    _, volume, found = measured("block.obj", middle, 2 * half, ("normal", axes[2]), ("right", axes[0]))
+    assert abs(volume - want) < 3e-3 * want and found["closed"], (volume, want)
+    write_ball("ball.obj", 10, n=200)                                                            # two balls: a lens
+    d, r, q = 9, 10, 5
+    lens = np.pi * (r + q - d)**2 * (d * d + 2 * d * (r + q) - 3 * (r - q)**2) / (12 * d)
+    near(measured("ball.obj", (0, 0, d), (2 * q,) * 3)[1], lens, 1e-3)
+    near(measured("ball.obj", (0, 0, d), (2 * q,) * 3)[0], 2 * np.pi * r * (r - (d * d + r * r - q * q) / (2 * d)), 1e-3)
+    ok("render", "block.obj", "-o", "m.png", "--size", "16x16", "--save-scene", "m.vv.json")
+    for scale in ((2, 2, 2), (-2, 2, 2)):
+        place = ("--set", "volumes.block.place.scale=%g,%g,%g" % scale)
+        near(ok("measure", "volume", "m.vv.json", *place, *words(region="ellipsoid", center=(10 * np.sign(scale[0]), 0, 0), size=(4, 4, 4)), "--json").json["volume"], third * 4, 1e-9)
+    says(ok("measure", "block.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))).message, "box and centroid are not measured")
+    says(fails(2, "measure", "box", "block.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))), "in a box or a convex polygon")
+    says(fails(2, "measure", "area", "m.vv.json", "--closed", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))), "--closed")
+
+
+def test_of_meshes_polygons_are_cut_out_dents_and_all():
+    write_block("block.obj", (5, 5, 5))
+    dented = ((-4, -4, 0), (4, -4, 0), (4, 4, 0), (1, 4, 0), (1, -2, 0), (-1, -2, 0), (-1, 4, 0), (-4, 4, 0))  # a U
+    convex = ((-4, -4, 0), (4, -4, 0), (8, 2, 0), (4, 8, 0))
+    for corners, thickness, area, volume in ((dented, 4, 0, 52 * 4), (dented, 12, 104, 520), (convex, 12, None, None)):
+        for turned in (corners, corners[::-1], corners[3:] + corners[:3]):
+            found = ok("measure", "block.obj", *sum((("--vertex", "%g,%g,%g" % p) for p in turned), ()), "--region", "polygon", "--thickness", str(thickness), "--json").json
+            if corners is convex:
+                x, y = np.array([(-4, -4), (4, -4), (5, -2.5), (5, 5), (2, 5)]).T  # what of it is in the block
+                base = abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+                area, volume = 2 * base + 10 * (7.5 + 3), 10 * base
+                assert np.abs(np.array(found["box_hi"]) - 5).max() < 1e-6, found["box_hi"]
+            assert abs(found["area"] - area) < 1e-5 * (1 + area) and abs(found["volume"] - volume) < 1e-5 * volume, (corners, found["area"], area, found["volume"], volume)
+    crossed = sum((("--vertex", "%g,%g,0" % p) for p in ((0, 0), (2, 2), (2, 0), (0, 3))), ())
+    says(fails(2, "measure", "area", "block.obj", "--region", "polygon", *crossed, "--thickness", "1"), "crosses itself")
+    says(fails(2, "measure", "area", "block.obj", "--region", "polygon", *crossed[:6]), "--thickness", "no slices")
+
+
 def test_of_meshes_other_regions_are_refused_in_a_sentence():
     write_ball("ball.obj", 10, n=8)
-    says(fails(2, "measure", "area", "ball.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(1, 1, 1))), "only what lies in a box", "--region box")
+    says(fails(2, "measure", "area", "ball.obj", *words(region="ellipse", center=(0, 0, 0), size=(1, 1, 1))), "a box, a polygon or an ellipsoid")
     says(fails(2, "measure", "area", "ball.obj", *words(region="box", center=(0, 0, 0), size=(1, 1, 0))), "no slices")
     says(fails(2, "measure", "area", "ball.obj", *words(region="box", center=(0, 0, 0), size=(1, 1, 1), space="index")), "--space has no effect")
 
