@@ -6,6 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The faces of the box around an ellipsoid, as a share of it away: they meet it nowhere. */
+#define AROUND (1 + 1e-6)
+
+static double wider(const vv_region_shape *r)
+{
+    return r->kind == VV_REGION_ELLIPSOID ? AROUND : 1;
+}
+
 /* An outline that is as thick along z as the region is: rows of x and y. */
 typedef struct outline {
     const double *v;
@@ -30,11 +38,12 @@ static bool is_convex(const outline *o)
     return !left || !right;
 }
 
+/* Of an ellipsoid that of the box around it: where the mesh is open farther away is of no matter. */
 static outline outline_of(double box[8], const vv_region_shape *r)
 {
-    const double x = r->half[0], y = r->half[1], corners[8] = {-x, -y, x, -y, x, y, -x, y};
+    const double x = wider(r) * r->half[0], y = wider(r) * r->half[1], corners[8] = {-x, -y, x, -y, x, y, -x, y};
     memcpy(box, corners, sizeof corners);
-    return r->kind == VV_REGION_BOX ? (outline){box, 4} : (outline){r->outline, r->n_outline};
+    return r->kind == VV_REGION_POLYGON ? (outline){r->outline, r->n_outline} : (outline){box, 4};
 }
 
 /* Whether planes alone bound it, so that its box is found. */
@@ -81,15 +90,17 @@ static size_t prism_planes(vv_plane *out, const vv_region_shape *r, const outlin
         vvi_unit(&inwards);
         out[n++] = (vv_plane){inwards, vvi_dot(inwards, vv_affine_point(*f, vvi_vec(p[0], p[1], 0)))};
     }
-    const double middle = vvi_dot(f->axis[2], f->origin);
-    out[n++] = (vv_plane){f->axis[2], middle - r->half[2]};
-    out[n++] = (vv_plane){vvi_scaled(f->axis[2], -1), -middle - r->half[2]};
+    const double middle = vvi_dot(f->axis[2], f->origin), half = wider(r) * r->half[2];
+    out[n++] = (vv_plane){f->axis[2], middle - half};
+    out[n++] = (vv_plane){vvi_scaled(f->axis[2], -1), -middle - half};
     return n;
 }
 
+/* Of what is in the prism: all, or what is in the ellipsoid. */
 static vv_status measure_prism(vv_mesh_measures *out, const vv_measured_data *data, const vv_region_shape *r,
                                const outline *o, bool open, bool closed, vv_job *job)
 {
+    const vv_region_shape *ellipsoid = r->kind == VV_REGION_ELLIPSOID ? r : NULL;
     vv_measured_data within = *data;
     vv_plane *planes = calloc(data->n_planes + o->n + 2, sizeof *planes);
     if (!planes)
@@ -98,7 +109,7 @@ static vv_status measure_prism(vv_mesh_measures *out, const vv_measured_data *da
         planes[i] = data->planes[i];
     within.planes = planes;
     within.n_planes = data->n_planes + prism_planes(planes + data->n_planes, r, o);
-    const vv_status st = vvi_measure_cut_mesh(out, &within, NULL, open, closed, job);
+    const vv_status st = vvi_measure_cut_mesh(out, &within, ellipsoid, open, closed, job);
     free(planes);
     return st;
 }
@@ -154,8 +165,8 @@ vv_status vvi_measure_in_region(vv_mesh_measures *out, const vv_measured_data *d
                                 bool open, bool closed, vv_job *job)
 {
     double box[8];
-    if (region->kind == VV_REGION_NONE || region->kind == VV_REGION_ELLIPSOID)
-        return vvi_measure_cut_mesh(out, data, region->kind ? region : NULL, open, closed, job);
+    if (region->kind == VV_REGION_NONE)
+        return vvi_measure_cut_mesh(out, data, NULL, open, closed, job);
     const outline o = outline_of(box, region);
     return is_convex(&o) ? measure_prism(out, data, region, &o, open, closed, job)
                          : measure_dented(out, data, region, &o, open, job);

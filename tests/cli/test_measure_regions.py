@@ -318,6 +318,12 @@ def test_of_meshes_ellipsoids_have_a_closed_form():
                                        ((20, 0, 0), (4, 4, 4), 0, 0)):
         found = measured("block.obj", center, size)
         assert abs(found[0] - area) < 1e-9 * (1 + area) and abs(found[1] - volume) < 1e-9 * (1 + volume), (center, size, found[:2], area, volume)
+    assert measured("block.obj", (0, 0, 0), (4, 4, 4))[2]["triangles"] == 0
+    cut = [line for line in open("block.obj", encoding="ascii") if line != "f 2 4 6\n"]                 # open on the side of +x
+    with open("open.obj", "w", encoding="ascii") as file:
+        file.writelines(cut)
+    refused = volvis("measure", "volume", "open.obj", *words(region="ellipsoid", center=(5, 0, 0), size=(4, 4, 4)))
+    assert refused.code == 2 and "the mesh is open" in refused.message, refused.message
     random = np.random.default_rng(5)                                                            # anywhere, turned: by counting places
     axes = axes_of((1, 1, 2), (1, -0.3, 0))
     middle, half = np.array((3, 2, -4)), np.array((4, 6, 3))
@@ -336,6 +342,12 @@ def test_of_meshes_ellipsoids_have_a_closed_form():
         place = ("--set", "volumes.block.place.scale=%g,%g,%g" % scale)
         near(ok("measure", "volume", "m.vv.json", *place, *words(region="ellipsoid", center=(10 * np.sign(scale[0]), 0, 0), size=(4, 4, 4)), "--json").json["volume"], third * 4, 1e-9)
     says(ok("measure", "block.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))).message, "box and centroid are not measured")
+    ok("measure", "area", "m.vv.json", *words(region="ellipsoid", center=(5, 0, 0), size=(8, 8, 8)), "--store", "m.vv.json:ball")
+    seen = []
+    for name, hidden in (("plain.png", ("--set", "measurements.ball.visible=false")), ("drawn.png", ())):                # and it is drawn
+        ok("render", "m.vv.json", "--size", "96x96", *hidden, "-o", name)
+        seen.append(np.array(Image.open(name).convert("RGB"), int))
+    assert 60 <= (np.abs(seen[1] - seen[0]).max(-1) > 40).sum() <= 2500
     says(fails(2, "measure", "box", "block.obj", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))), "in a box or a convex polygon")
     says(fails(2, "measure", "area", "m.vv.json", "--closed", *words(region="ellipsoid", center=(0, 0, 0), size=(4, 4, 4))), "--closed")
 

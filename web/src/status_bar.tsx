@@ -2,8 +2,7 @@
 import { runAction } from "./actions";
 import { plan } from "./filter/state";
 import { Icon } from "./icons";
-import { draft, tool } from "./measure/room";
-import { hintOf } from "./measure/tools";
+import { hint as measuringHint, tool } from "./measure/room";
 import { cancelJob } from "./session";
 import * as store from "./store";
 import { IconButton } from "./ui/controls";
@@ -30,7 +29,7 @@ function Jobs() {
 /** One sentence on what to do next, by what is there. */
 function hint(): string {
   if (store.connection.value.state === "lost") return "What you see is the last picture; edits wait for the connection.";
-  if (tool.value && hintOf(tool.value, draft.value.length)) return `${tool.value.title}: ${hintOf(tool.value, draft.value.length)}`;
+  if (tool.value && measuringHint(tool.value)) return `${tool.value.title}: ${measuringHint(tool.value)}`;
   if (store.isEmpty.value) return "Open a file, drop one here, or try a sample.";
   const [map] = store.selection.value.split(".");
   if (store.frame.value?.moving) return "Release to refine the picture.";

@@ -29,16 +29,18 @@ test("tools of the Measurement room come from the table of kinds", () => {
   assert.match(hintOf(polygon, 3), /Enter or a double click closes the outline/);
 });
 
-test("on meshes there are tools for places and for the whole, with what can be measured so", () => {
+test("on meshes there are tools for places, regions and the whole, with what can be measured so", () => {
   const form = (of: MeshForm[], uses: string[]) => ({ of, other: false, points: 0, uses });
   type MeshForm = "volume" | "mesh" | "shown";
   const row = (name: string, least_points: number, forms: MeasureForm[]): Measure => ({ name, doc: "", plot: false, least_points, any_points: false, forms });
   const measures = [
     row("distance", 2, [form(["volume"], ["points", "iso"]), form(["shown"], ["points"])]), row("profile", 2, [form(["volume"], ["points"])]),
-    row("area", 0, [form(["volume"], ["seed", "label"]), form(["shown"], ["closed"])]), row("histogram", 0, [form(["volume"], ["seed"])]),
+    row("area", 0, [form(["volume"], ["seed", "label", "region"]), form(["shown"], ["closed", "region"])]), row("histogram", 0, [form(["volume"], ["seed"])]),
   ];
   const kinds = Object.fromEntries(toolsOf(measures).map((tool) => [tool.name, kindsOnMeshes(tool, measures)]));
-  assert.deepEqual(kinds, { distance: ["distance"], profile: [], seed: [], label: [], nothing: ["area"] });
+  assert.deepEqual(kinds, { distance: ["distance"], profile: [], rectangle: ["area"], ellipse: [], polygon: ["area"], sphere: ["area"], seed: [], label: [], nothing: ["area"] });
+  const rectangle = toolsOf(measures).find((tool) => tool.name === "rectangle")!;
+  assert.match(hintOf(rectangle, 0, true), /on the mesh: what lies behind the outline/);
 });
 
 test("regions are what is drawn, in the plane that it is drawn in, and their handles keep the rest where it is", () => {
@@ -51,6 +53,9 @@ test("regions are what is drawn, in the plane that it is drawn in, and their han
   near(box["center"], at(2, 2.5));
   near(box["size"], [8, 3, 0]);
   near(box["normal"], [s, -s, 0]);
+  near((regionOf("rectangle", [at(6, 1), at(-2, 4)], frame, 30) as JsonObject)["size"], [8, 3, 30]);
+  assert.equal((regionOf("polygon", [at(0, 0), at(4, 0), at(4, 4)], frame, 30) as JsonObject)["thickness"], 30);
+  assert.equal((regionOf("polygon", [at(0, 0), at(4, 0), at(4, 4)], frame) as JsonObject)["thickness"], undefined);
   const moved = movedRegion(box, 2, at(9, 9));
   near(handlesOf(moved)[0], at(-2, 1));
   near(handlesOf(moved)[2], at(9, 9));

@@ -396,6 +396,47 @@ describe("the program behind the page", TOGETHER, () => {
     }));
   });
 
+  test("a room measures what of a mesh is in a region that is drawn on it, as the program does", { skip }, () => {
+    const place = makePlace();
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `v ${(i & 1) * 10} ${((i >> 1) & 1) * 10} ${(i >> 2) * 10}`);
+    const faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"].map((f) => `f ${f}`);
+    writeFileSync(join(place, "block.obj"), `${[...corners, ...faces].join("\n")}\n`);
+    return withProgram(["block.obj", "--spp", "1"], async (page) => {
+      await waitForPicture(page);
+      await page.locator("[data-viewport]").focus();
+      await page.keyboard.press("m");
+      await page.locator(".measure-tool").first().waitFor();
+      const view = await page.locator("[data-viewport]").boundingBox();
+      const rows = page.locator(".measure-table tbody tr");
+      const draw = async (tool, kind, places, end) => {
+        const before = await rows.count();
+        await page.locator(".measure-tool", { hasText: tool }).click();
+        await page.locator(".measure-wish select").selectOption(kind);
+        for (const [x, y] of places) await page.mouse.click(view.x + view.width / 2 + x, view.y + view.height / 2 + y);
+        if (end) await until(async () => (await page.locator(".measure-overlay g[aria-hidden] .measure-dot").count()) === places.length, "not all corners are drawn");
+        if (end) await page.keyboard.press(end);
+        await rows.nth(before).waitFor();
+        await page.keyboard.press("Escape");
+        const added = page.sent.filter((m) => m.type === "edit" && m.edits[0].path === "measurements").at(-1).edits[0];
+        await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { window.copied = text; }; });
+        await page.getByRole("button", { name: `Copy the command line of ${added.id}`, exact: true }).click();
+        await until(() => page.evaluate(() => window.copied !== undefined), "no line is copied");
+        const line = await page.evaluate(() => { const text = window.copied; delete window.copied; return text; });
+        const words = line.match(/(?:[^\s']|'[^']*')+/g).map((word) => word.replaceAll("'", "")).slice(1);
+        const said = JSON.parse((await promisify(execFile)(program, [...words, "--json"], { cwd: place })).stdout);
+        const figures = Object.fromEntries(added.value.figures.map((f) => [f.name, f.value]));
+        for (const name of ["area", "volume"].filter((n) => n in figures)) assert.ok(Math.abs(said[name] - figures[name]) <= 1e-6 * (1 + figures[name]), `${line}: ${said[name]}, in the page ${figures[name]}`);
+        return figures;
+      };
+      const outlined = await draw(/^Polygon$/, "volume", [[0, 0], [50, -50], [60, 40], [-40, 50]], "Enter"); // all the way through
+      const ball = await draw(/^Sphere$/, "volume", [[0, 0], [12, 0]]); // around a place on the surface
+      const part = await draw(/^Rectangle$/, "area", [[-30, -30], [30, 30]]);
+      for (const value of [outlined.volume, ball.volume]) assert.ok(value > 0 && value < 1000, `${value} of 1000`);
+      assert.ok(part.area > 0 && part.area < 600, `${part.area} of 600`);
+      assert.equal(await page.locator(".measure-tool", { hasText: /^Ellipse$/ }).isDisabled(), true);
+    }, { place });
+  });
+
   test("a colour map is moved by its ends", { skip }, () => withProgram(QUICK, async (page) => {
     const first = await seen(page);
     const ends = page.getByRole("slider", { name: "Where the colour map ends" });

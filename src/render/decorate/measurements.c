@@ -157,15 +157,18 @@ static bool find_box(vv_vec3 out[CORNERS], const vvi_sheet *s, const vv_measurem
     return true;
 }
 
-/* What a slice cuts out of a region, elsewhere its edges; of no volume, or one that makes no sense, nothing. */
+/* What a slice cuts out of a region, elsewhere its edges; of none, or one that makes no sense, nothing. Regions of
+ * meshes are in the World. */
 static vv_status put_region(const vvi_sheet *s, const slice *in, const vv_measurement *m, vvi_region_line *line,
                             void *user)
 {
-    const vv_actor *actor = vvi_measurement_has_region(m) ? actor_of(s, m) : NULL;
+    const vv_affine world = vv_affine_identity();
+    const vv_actor *actor = actor_of(s, m);
     vv_region_shape shape;
     double *outline = NULL;
     vv_status st = VV_OK;
-    if (actor && vvi_measurement_shape(&shape, &outline, m, &actor->index_to_world) == VV_OK)
+    if (vvi_measurement_has_region(m) && (actor || s->scene->n_mesh_actors) &&
+        vvi_measurement_shape(&shape, &outline, m, actor ? &actor->index_to_world : &world) == VV_OK)
         st = in->there ? vvi_region_cut(&shape, &in->plane, line, user) : vvi_region_edges(&shape, line, user);
     free(outline);
     return st;

@@ -10,10 +10,10 @@ import { label } from "../values";
 import { Detail } from "./detail";
 import { listenToKeys } from "./hands";
 import { saveText } from "./output";
-import { draft, isOpen, keepResults, kindOf, kindsOf, pending, rows, takeTool, toggleRoom, tool, tools, wholeVolume, wish } from "./room";
+import { hint, isOpen, keepResults, kindOf, kindsOf, pending, rows, takeTool, toggleRoom, tool, tools, wholeVolume, wish } from "./room";
 import { csvOfRows } from "./rows";
 import { Table } from "./table";
-import { hintOf, type Tool } from "./tools";
+import type { Tool } from "./tools";
 
 function take(next: Tool): void {
   if (next.takes === "nothing") wholeVolume(next);
@@ -74,7 +74,7 @@ function whole(): Tool | undefined {
 
 function Hint() {
   const of = tool.value;
-  const words = pending.value ? "Measuring." : of ? hintOf(of, draft.value.length) : rows.value.length ? "" : "Choose a tool, then click in a slice or in the Navigator.";
+  const words = pending.value ? "Measuring." : of ? hint(of) : rows.value.length ? "" : "Choose a tool, then click in a slice or in the Navigator.";
   return words ? <p class="measure-hint">{words}</p> : null;
 }
 

@@ -37,16 +37,17 @@ export function extentOf(drawn: Drawn, points: Vec3[], frame: Frame | null): { a
 
 const TINY = 1e-9;
 
-/** The property `region` of a measurement in the World's space, one slice thick where it is flat; a sentence: it is none. */
-export function regionOf(drawn: Drawn, points: Vec3[], frame: Frame | null): JsonObject | string {
+/** The property `region` of a measurement in the World's space; a sentence: it is none. Where it is flat, it is one slice thick, or
+ * as thick as is said: of what has no slices. */
+export function regionOf(drawn: Drawn, points: Vec3[], frame: Frame | null, thickness = 0): JsonObject | string {
   const { area, radius } = extentOf(drawn, points, frame);
   if (!((area ?? radius ?? 0) > TINY)) return "What is drawn has no extent.";
   if (drawn === "sphere") return { kind: "ellipsoid", center: rounded(points[0]!), size: rounded([2 * radius!, 2 * radius!, 2 * radius!]) };
   const normal = rounded(cross(frame!.right, frame!.up));
-  if (drawn === "polygon") return { kind: "polygon", outline: points.map(rounded), normal };
+  if (drawn === "polygon") return { kind: "polygon", outline: points.map(rounded), normal, ...(thickness ? { thickness } : {}) };
   return {
     kind: drawn === "ellipse" ? "ellipse" : "box", center: rounded(between(points[0]!, points[1]!)),
-    size: rounded([...extents(points, frame!), 0]), normal, right: rounded(frame!.right),
+    size: rounded([...extents(points, frame!), thickness]), normal, right: rounded(frame!.right),
   };
 }
 

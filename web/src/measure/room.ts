@@ -32,6 +32,7 @@ export interface Place {
   frame: Frame | null;
 }
 export const draft = signal<Place[]>([]);
+export const hint = (of: Tool): string => hintOf(of, draft.value.length, onlyMeshes.value);
 /** Where the pointer is: in which viewport, in shares of it, and, in a slice, in the World. */
 export const hover = signal<{ where: string; x: number; y: number; at: Vec3 | null } | null>(null);
 /** Measurements are being asked for the first time. */
@@ -46,7 +47,7 @@ export function takeTool(next: Tool | null): void {
   tool.value = next;
   draft.value = [];
   hover.value = null;
-  if (next) store.announcement.value = `${next.title}. ${hintOf(next, 0)}`;
+  if (next) store.announcement.value = `${next.title}. ${hint(next)}`;
 }
 
 // What is measured --------------------------------------------------------------------------------------------------
@@ -136,6 +137,13 @@ function boxOf(places: Place[]): JsonObject | string {
   return box ? { box, ...(volume !== firstVisible() ? { volume } : {}) } : "No sample lies in that region.";
 }
 
+/** Meshes have no slices: what is drawn on them goes through, from the eye on and as far behind; 0: in a slice of a volume. */
+function depthAt({ at, seen }: Place): number {
+  const eye = store.pose.value?.eye;
+  const ofMesh = seen?.volume ? store.isMesh(seen.volume) : onlyMeshes.value;
+  return ofMesh && eye ? Number((2 * Math.hypot(...minus(at, eye as Vec3))).toPrecision(3)) : 0;
+}
+
 /** What a tool makes of its clicks; a sentence: it makes nothing of them. */
 function measurementOf(of: Tool, places: Place[]): JsonObject | string {
   const what = kindOf(of);
@@ -151,7 +159,7 @@ function measurementOf(of: Tool, places: Place[]): JsonObject | string {
     case "ellipse":
     case "polygon":
     case "sphere": {
-      const region = regionOf(of.takes, places.map((place) => place.at), places[0]!.frame);
+      const region = regionOf(of.takes, places.map((place) => place.at), places[0]!.frame, depthAt(places[0]!));
       return typeof region === "string" ? region : { what, region, space: "world", ...ofVolume(seen) };
     }
     case "seed":
@@ -191,7 +199,7 @@ export function place(at: Vec3, seen: Pick | null, frame: Frame | null): void {
   if (why) return store.notify("info", why);
   draft.value = [...draft.value, { at, seen, frame }];
   if (draft.value.length >= of.most) finish();
-  else store.announcement.value = hintOf(of, draft.value.length);
+  else store.announcement.value = hint(of);
 }
 
 export function takeBack(): void {

@@ -55,22 +55,32 @@ export function toolsOf(measures: Measure[]): Tool[] {
   return [...byPoints, ...ofObjects.filter((tool) => tool.kinds.length > 0)];
 }
 
-/** Which of its kinds can be measured where meshes are all that is seen: places on them, and what they are as a whole. */
+/** What is drawn on meshes; each by what a kind of measurement uses for it. */
+const ON_MESHES: { [takes in Takes]?: (uses: string[]) => boolean } = {
+  points: (uses) => uses.includes("points"),
+  nothing: (uses) => !uses.includes("points"),
+  rectangle: (uses) => uses.includes("region"),
+  polygon: (uses) => uses.includes("region"),
+  sphere: (uses) => uses.includes("region"),
+};
+
+/** Which of its kinds can be measured where meshes are all that is seen: places on them, what they are as a whole, and what of
+ * them is in a region. */
 export function kindsOnMeshes(tool: Tool, measures: Measure[]): string[] {
-  if (tool.takes !== "points" && tool.takes !== "nothing") return [];
-  const fits = (uses: string[]) => uses.includes("points") === (tool.takes === "points");
-  const names = measures.filter((row) => row.forms.some((form) => form.of.includes("shown") && !form.other && fits(form.uses))).map((row) => row.name);
+  const fits = ON_MESHES[tool.takes];
+  const names = measures.filter((row) => fits && row.forms.some((form) => form.of.includes("shown") && !form.other && fits(form.uses))).map((row) => row.name);
   return tool.kinds.filter((kind) => names.includes(kind));
 }
 
 /** What to do next, in one sentence. */
-export function hintOf(tool: Tool, given: number): string {
+export function hintOf(tool: Tool, given: number, onMeshes = false): string {
   if (tool.takes === "nothing") return "";
   if (tool.takes === "seed" || tool.takes === "label") return `Click on the ${tool.takes === "seed" ? "piece" : "label"} in a slice or in the Navigator. Escape puts the tool away.`;
   const what = tool.takes === "points" ? "point" : "corner";
   const which = ["first", "second", "third"][given] ?? "next";
   const end = given >= tool.least && tool.most > tool.least ? ` Enter or a double click ${tool.takes === "polygon" ? "closes the outline" : "ends the line"}.` : "";
   const next = tool.takes === "sphere" ? (given ? "a place on its border" : "the middle") : tool.most === 1 ? `the ${what}` : `the ${which} ${what}`;
-  const where = isFlat(tool.takes) && !given ? " in a slice, or in the Navigator to draw in the plane that faces you" : "";
+  const flat = onMeshes ? " on the mesh: what lies behind the outline is measured, all the way through" : " in a slice, or in the Navigator to draw in the plane that faces you";
+  const where = isFlat(tool.takes) && !given ? flat : "";
   return `Click ${next}${where}, or press Space.${end}${given ? " Backspace takes the last one back, Escape all of them." : " Escape puts the tool away."}`;
 }
