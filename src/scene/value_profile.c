@@ -1,5 +1,4 @@
 #include "scene/value_profile.h"
-#include "core/cache.h"
 #include "core/memory.h"
 #include "grid/value_fit.h"
 #include "scene/lens.h"
@@ -55,12 +54,7 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
 
 vv_status vvi_profile_get(vvi_value_profile *out, const vv_actor *actor, vv_job *job)
 {
-    const vv_affine place = actor->index_to_world;
-    const struct {
-        vv_affine place;
-        int64_t component;
-    } of = {place, actor->component};
-    const vvi_cache_key key = {"value profile", vv_field_identity(actor->field), vvi_hash(&of, sizeof of, 0)};
+    const vvi_cache_key key = vvi_walk_key("value profile", actor);
     vvi_cached *cached = NULL;
     const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, (void *)(uintptr_t)actor, job);
     if (st != VV_OK)

@@ -77,3 +77,12 @@ vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user
     vv_brick_release(&w.brick);
     return st;
 }
+
+vvi_cache_key vvi_walk_key(const char *what, const vv_actor *actor)
+{
+    const struct {
+        vv_affine place;
+        int64_t component;
+    } of = {actor->index_to_world, actor->component};
+    return (vvi_cache_key){what, vv_field_identity(actor->field), vvi_hash(&of, sizeof of, 0)};
+}

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_SCENE_VALUE_WALK_H
 #define VVI_SCENE_VALUE_WALK_H
+#include "core/cache.h"
 #include "core/status.h"
 #include <volvis/sys/scene.h>
 
@@ -26,6 +27,9 @@ typedef void vvi_walk_fn(void *user, const vvi_walk *walk, const int64_t at[3]);
 vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user, vv_job *job);
 /** As many visits as there are at most. */
 enum { VVI_WALK_ALONG = 67, VVI_WALK_MOST = VVI_WALK_ALONG * VVI_WALK_ALONG * VVI_WALK_ALONG };
+
+/** What is made of such a walk is kept under this key: the same samples at the same place. */
+vvi_cache_key vvi_walk_key(const char *what, const vv_actor *actor);
 
 /** The value at the sample that is visited, or one beside it. */
 double vvi_walk_value(const vvi_walk *walk, const int64_t at[3]);

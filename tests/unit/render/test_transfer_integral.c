@@ -1,4 +1,5 @@
 /* Integrals of classifications against sums of very many values, and how steep a volume is against its formula. */
+#include "core/cache.h"
 #include "fields.h"
 #include "render/common/minmax_spread.h"
 #include "render/common/transfer_integral.h"
@@ -98,6 +99,33 @@ static void a_ramp_is_as_steep_as_it_is(void **state)
     vv_field_release(field);
 }
 
+static void how_steep_a_volume_is_gets_measured_once_for_a_place(void **state)
+{
+    (void)state;
+    vv_runtime *runtime = NULL;
+    vv_job *job = NULL;
+    vvi_cache_counts counts;
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_F32;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = 8;
+    vv_field *field = test_field(&test_form_ramp, &info, NULL);
+    vv_actor actor = {.field = field, .index_to_world = info.grid.index_to_world};
+    double scale[4];
+    assert_int_equal(vv_runtime_new(&runtime, NULL), VV_OK);
+    assert_int_equal(vv_job_new(&job, runtime, NULL, NULL), VV_OK);
+    for (int i = 0; i < 4; i++) {
+        if (i == 2)
+            actor.index_to_world.axis[0].x = 2;
+        assert_int_equal(vvi_gradient_scale(&scale[i], &actor, job), VV_OK);
+        vvi_cache_get_counts(&counts, runtime);
+        assert_int_equal(counts.misses, i < 2 ? 1 : 2);
+    }
+    assert_true(scale[0] == scale[1] && scale[2] == scale[3] && scale[2] < scale[0]);
+    vv_field_release(field);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
+}
+
 static void spread_blocks_hold_the_ranges_of_their_neighbours(void **state)
 {
     (void)state;
@@ -133,6 +161,7 @@ int main(void)
         cmocka_unit_test(the_mean_over_one_value_is_that_value),
         cmocka_unit_test(rows_add_up_to_the_mean_over_them),
         cmocka_unit_test(a_ramp_is_as_steep_as_it_is),
+        cmocka_unit_test(how_steep_a_volume_is_gets_measured_once_for_a_place),
         cmocka_unit_test(spread_blocks_hold_the_ranges_of_their_neighbours),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
