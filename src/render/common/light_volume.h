@@ -54,6 +54,9 @@ typedef struct vvi_light_volume {
                          normal, beyond the cells that it fills itself */
     float scatter[VVI_LIGHT_SHARES], scatter_rest; /**< of what is not shaded: weights of the shares, 1 together with
                                                       the light that always arrives */
+    const uint32_t *scattered; /**< their sum, of each cell: its root in 255ths in byte 0, in byte 1 that of the next
+                                  cell along y, in bytes 2 and 3 those of both's next along z: with the word beside it,
+                                  all that is around a place. NULL: everything is shaded */
 } vvi_light_volume;
 
 /** Takes the finest pattern, which is that of the cells, from shares: with 1/4, 1/2, 1/4 along each axis.
@@ -61,11 +64,13 @@ typedef struct vvi_light_volume {
 void vvi_light_smooth(float *cells, const int32_t n[3], bool only_brighter);
 /** Packs shares, of `n` sorts (NULL: all light arrives), into cells of n_words = (n + 3) / 4 words. */
 void vvi_light_pack(uint32_t *cells, const float *const shares[], int n, size_t n_cells);
+/** Sums them for what is not shaded: vvi_light_volume.scattered, a word for each cell. */
+void vvi_light_pack_scattered(uint32_t *out, const vvi_light_volume *volume);
 
 /** Shares at a place in the world: cells' interpolated linearly, those beyond the stored ones 1. `normal`: of the
  * surface there, on the side that is seen; 0: none. The definition of light_volume_simd.h. */
 void vvi_light_volume_at(double shares_out[VVI_LIGHT_SHARES], const vvi_light_volume *volume, vv_vec3 position,
                          vv_vec3 normal);
-/** What of an unshaded colour is left in this light. */
-double vvi_light_scattered(const vvi_light_volume *volume, const double shares[VVI_LIGHT_SHARES]);
+/** What of an unshaded colour is left at such a place. */
+double vvi_light_scattered(const vvi_light_volume *volume, vv_vec3 position, vv_vec3 normal);
 #endif

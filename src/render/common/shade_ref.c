@@ -53,10 +53,11 @@ void vvi_shade_ref(double out[3], const vv_scene *scene, const vv_actor *actor, 
     vv_vec3 n = vvi_scaled(gradient, -1);
     double arrives[VVI_LIGHT_SHARES];
     const bool surface = vvi_length(gradient) >= flat && vvi_unit(&n);
-    if (volume)
-        vvi_light_volume_at(arrives, volume, position, vvi_scaled(n, !surface ? 0 : vvi_dot(n, to_eye) < 0 ? -1 : 1));
+    const vv_vec3 seen = vvi_scaled(n, !surface ? 0 : vvi_dot(n, to_eye) < 0 ? -1 : 1);
     const bool unlit = actor->shading_model == VV_SHADING_NONE;
-    const double left = unlit && volume ? vvi_light_scattered(volume, arrives) : 1;
+    const double left = unlit && volume ? vvi_light_scattered(volume, position, seen) : 1;
+    if (!unlit && volume)
+        vvi_light_volume_at(arrives, volume, position, seen);
     for (int c = 0; c < 3; c++)
         out[c] = color[c] * left;
     if (unlit)

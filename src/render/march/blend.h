@@ -249,6 +249,8 @@ VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, v
 {
     const vvi_march_volume *f = p->f;
     if (f->light.shaded || f->paint.kind != VVI_PAINT_NONE || f->texture) {
+        if (f->paint.kind == VVI_PAINT_COLORS)
+            expect_part_colors(p, at, m);
         queue_push_sight(&p->queue, f, at, found, weight * found->depth, m);
         if (p->queue.n >= QUEUE_FULL)
             p->by->color(&p->queue, p);

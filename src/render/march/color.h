@@ -99,6 +99,13 @@ VV_INLINE vf3 part_label_gradient(const vvi_march_volume *f, vf3 p, vf label, vm
     return world_gradient(f, vf3_scale(g, vf_set1(f->classifier.label_range)));
 }
 
+/** Before samples of lanes m are pushed. */
+VV_INLINE void expect_part_colors(const march_part *p, vf k, vm m)
+{
+    const vf3 at = packet_point(&p->r, k);
+    expect_colors(&p->f->paint, &at, m);
+}
+
 /** Paint and texture, in place of lanes' colours or on them. Out of line: rare beside light. */
 static __attribute__((noinline)) void paint_samples(vf rgb[3], const march_part *p, const vf3 *at, vf k, vi lane, vm m)
 {

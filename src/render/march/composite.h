@@ -77,6 +77,8 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
         for (int c = 0; c < 3; c++)
             s->rgb[c] = vf_fma(weight, t->row[c], s->rgb[c]);
     } else {
+        if (f->paint.kind == VVI_PAINT_COLORS)
+            expect_part_colors(p, t->k, seen);
         queue_push(&p->queue, t->k, t->entry, weight, seen);
         if (p->queue.n >= QUEUE_FULL)
             color(&p->queue, p);

@@ -25,9 +25,10 @@ VV_INLINE vf3 light_ahead(const vvi_light *light, vf3 normal)
     return vf3_scale(normal, width);
 }
 
-VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal)
+/** Around p in the volume's index space, or ahead of it if there is a normal. */
+VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, const vf3 *normal)
 {
-    const vf3 way = light_ahead(light, normal);
+    const vf3 way = normal ? light_ahead(light, *normal) : p;
     const vf at[3] = {p.x, p.y, p.z}, ahead[3] = {way.x, way.y, way.z};
     const int32_t *dims = light->volume.n, stride[3] = {1, dims[0], dims[0] * dims[1]};
     light_place out;
@@ -38,7 +39,8 @@ VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal
         VV_UNROLL
         for (int b = 0; b < 3; b++) {
             q = vf_fma(vf_set1(light->cell_from_index[a][b]), at[b], q);
-            q = vf_fma(vf_set1(light->cell_from_world[a][b]), ahead[b], q);
+            if (normal)
+                q = vf_fma(vf_set1(light->cell_from_world[a][b]), ahead[b], q);
         }
         q = vf_min(vf_max(q, vf_set1(0.0f)), vf_set1((float)dims[a] - 1.001f)); /* 0 of NaN too */
         const vi whole = vi_trunc(q);
@@ -53,7 +55,7 @@ VV_INLINE light_place find_light_place(const vvi_light *light, vf3 p, vf3 normal
 VV_INLINE void light_shares(vf out[VVI_LIGHT_SHARES], const vvi_light *light, vf3 p, vf3 normal)
 {
     const vvi_light_volume *v = &light->volume;
-    const light_place at = find_light_place(light, p, normal);
+    const light_place at = find_light_place(light, p, &normal);
     const vf one = vf_set1(1.0f);
     const vm all = vm_first_n(VV_WIDTH);
     const vi first = v->n_words == 1 ? at.cell : at.cell * vi_set1(v->n_words);
@@ -86,13 +88,22 @@ VV_INLINE void light_shares(vf out[VVI_LIGHT_SHARES], const vvi_light *light, vf
     out[0] = out[0] * vf_set1(v->ambient);
 }
 
-/** What of an unshaded colour is left in this light. */
-VV_INLINE vf scattered(const vvi_light_volume *v, const vf shares[VVI_LIGHT_SHARES])
+/** What of an unshaded colour is left there: two words hold all eight cells. */
+VV_INLINE vf scattered_light(const vvi_light *light, vf3 p, const vf3 *normal)
 {
-    vf sum = vf_set1(v->scatter_rest);
-    for (int i = 0; i < v->n_shares; i++)
-        sum = vf_fma(vf_set1(v->scatter[i]), shares[i], sum);
-    return sum;
+    const light_place at = find_light_place(light, p, normal);
+    vi left, right;
+    vf edge[4];
+    vi_gather_pair4(light->volume.scattered, at.cell, vm_first_n(VV_WIDTH), &left, &right);
+    VV_UNROLL
+    for (int i = 0; i < 4; i++) {
+        const vf a = vf_from_vi(left & vi_set1(255)), b = vf_from_vi(right & vi_set1(255));
+        edge[i] = vf_lerp(a, b, at.f[0]);
+        left = vi_shr_u(left, 8);
+        right = vi_shr_u(right, 8);
+    }
+    const vf root = vf_lerp(vf_lerp(edge[0], edge[1], at.f[1]), vf_lerp(edge[2], edge[3], at.f[1]), at.f[2]);
+    return root * root * vf_set1(1.0f / (255 * 255));
 }
 
 #endif

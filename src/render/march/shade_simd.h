@@ -36,14 +36,11 @@ VV_INLINE vf3 seen_side(vf3 n, vf3 view, vm surface)
  * that it needs no gradient. */
 VV_INLINE void shade_unlit(const vvi_march_volume *f, vf3 p_index, vf3 direction, vf3 gradient, bool facing, vf rgb[3])
 {
-    const vf zero = vf_set1(0.0f);
-    vf arrives[VVI_LIGHT_SHARES];
-    vf3 ahead = vf3_set(zero, zero, zero);
+    vf3 ahead;
     if (facing)
         ahead = seen_side(vf3_unit(gradient), vf3_scale(direction, vf_set1(-1.0f)),
                           vf_lt(vf_set1(f->light.flat_gradient), vf_sqrt(vf3_dot(gradient, gradient))));
-    light_shares(arrives, &f->light, p_index, ahead);
-    const vf left = scattered(&f->light.volume, arrives);
+    const vf left = scattered_light(&f->light, p_index, facing ? &ahead : NULL);
     VV_UNROLL
     for (int c = 0; c < 3; c++)
         rgb[c] = rgb[c] * left;

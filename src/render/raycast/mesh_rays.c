@@ -180,13 +180,14 @@ static void shade(vvi_mesh_sink *out, size_t i, const passage *p, const vvi_mesh
                                  .surface = known,
                                  .arrives = light ? arrives : NULL,
                                  .n_arrive = VVI_LIGHT_SHARES};
-    if (light)
+    const bool unlit = p->mesh->actor->look.shading_model == VV_SHADING_NONE;
+    if (light && !unlit)
         vvi_light_volume_at(arrives, light, point.position, normal);
-    if (p->mesh->actor->look.shading_model != VV_SHADING_NONE)
+    if (!unlit)
         vvi_light_ref(rgba, &point, &p->mesh->gloss, scene->lamps, scene->n_lamps);
-    else
-        for (int c = 0; c < 3 && light; c++)
-            rgba[c] *= vvi_light_scattered(light, arrives);
+    const double left = light && unlit ? vvi_light_scattered(light, point.position, normal) : 1;
+    for (int c = 0; c < 3; c++)
+        rgba[c] *= left;
     const double opacity = rgba[3] >= OPAQUE ? 1 : rgba[3];
     for (int c = 0; c < 3; c++)
         out->sink.rgb[c][i] = (float)(opacity * rgba[c]);

@@ -301,5 +301,6 @@ void vvi_raycast_finish(void *state)
     }
     vvi_ray_meshes_close(&s->meshes);
     vvi_cache_release(s->cells);
+    vvi_cache_release(s->scattered);
     vvi_free(s);
 }

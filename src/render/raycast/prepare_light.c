@@ -119,9 +119,9 @@ uint64_t vvi_raycast_light_bytes(const vv_grid *grid, vvi_lighting lighting)
     for (int a = 0; a < 3; a++)
         hi[a] = (double)grid->dims[a] - 0.5;
     divide(&f, lo, hi, cell_length(&f, lo, hi));
-    /* extinction; shares of the ambient light, of lamps; all of them packed */
+    /* extinction; shares of the ambient light, of lamps; all of them packed, and summed */
     const uint64_t lamps = lighting.shadows ? VVI_LIGHT_LAMPS : 0;
-    return vvi_light_cells(f.n) * (sizeof(float) * (2 + lamps) + (lamps + 4) / 4 * sizeof(uint32_t));
+    return vvi_light_cells(f.n) * (sizeof(float) * (2 + lamps) + ((lamps + 4) / 4 + 1) * sizeof(uint32_t));
 }
 
 static bool find_frame(vvi_light_frame *f, const vvi_raycast_state *s)
@@ -163,7 +163,7 @@ typedef struct request {
     vvi_light_frame frame;
     vvi_lighting lighting;
     double radius, disc;
-    uint64_t identity, hash; /* of the extinction */
+    uint64_t identity, hash, light; /* of the extinction, and of the shares */
     vvi_cached *extinction, *ambient;
 } request;
 
@@ -343,6 +343,7 @@ static vv_status get_cells(vvi_cached **out, request *r, vv_job *job)
                                  l->direction.x, l->direction.y, l->direction.z};
         h = vvi_hash(place, sizeof place, h);
     }
+    r->light = h;
     const vvi_cache_key key = {"light", r->identity, h};
     const vv_status st = vvi_cache_get(out, &key, make_cells, vvi_free, r, job);
     vvi_cache_release(r->extinction);
@@ -374,6 +375,40 @@ static void weigh(vvi_light_volume *l, const vv_scene *scene)
     l->scatter_rest = (float)fmax(rest, 0);
 }
 
+static bool is_any_unlit(const vvi_raycast_state *s)
+{
+    bool any = false;
+    for (size_t i = 0; i < s->n_volumes; i++)
+        any |= s->volume[i].ray.light.unlit;
+    for (size_t i = 0; i < s->meshes.n; i++)
+        any |= s->meshes.mesh[i].actor->look.shading_model == VV_SHADING_NONE;
+    return any;
+}
+
+static vv_status make_scattered(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const vvi_light_volume *l = user;
+    *bytes_out = vvi_light_cells(l->n) * sizeof(uint32_t);
+    uint32_t *cells = *value_out = vvi_alloc(job, *bytes_out, VVI_MEM_DERIVED);
+    if (!cells)
+        return vv_fail_memory(*bytes_out);
+    vvi_light_pack_scattered(cells, l);
+    return VV_OK;
+}
+
+/* Lamps that only get brighter or darker leave the shares, but not their sum. */
+static vv_status get_scattered(vvi_raycast_state *s, const request *r, vv_job *job)
+{
+    vvi_light_volume *l = &s->light;
+    uint64_t h = vvi_hash(l->scatter, sizeof l->scatter, r->light);
+    h = vvi_hash((float[2]){l->scatter_rest, l->ambient}, 2 * sizeof(float), h);
+    const vvi_cache_key key = {"light scattered", r->identity, h};
+    const vv_status st = vvi_cache_get(&s->scattered, &key, make_scattered, vvi_free, l, job);
+    if (st == VV_OK)
+        l->scattered = vvi_cached_value(s->scattered);
+    return st;
+}
+
 static void tell(vvi_raycast_volume *v, const vvi_light_volume *l, const vv_affine *to_cell)
 {
     vvi_light *light = &v->ray.light;
@@ -395,7 +430,7 @@ static void tell(vvi_raycast_volume *v, const vvi_light_volume *l, const vv_affi
     }
 }
 
-static vv_status tell_all(vvi_raycast_state *s, const request *r)
+static vv_status tell_all(vvi_raycast_state *s, const request *r, vv_job *job)
 {
     const vv_affine to_world = cells_to_world(&r->frame);
     vvi_light_volume *l = &s->light;
@@ -417,6 +452,9 @@ static vv_status tell_all(vvi_raycast_state *s, const request *r)
         memcpy(l->world_to_cell[a], row[a], sizeof row[a]);
     }
     weigh(l, s->meshes.scene);
+    const vv_status st = is_any_unlit(s) ? get_scattered(s, r, job) : VV_OK;
+    if (st != VV_OK)
+        return st;
     for (size_t i = 0; i < s->n_volumes; i++)
         tell(&s->volume[i], l, &to_cell);
     s->meshes.light = l;
@@ -450,5 +488,5 @@ vv_status vvi_raycast_find_light(vvi_raycast_state *s, const vv_scene *scene, vv
     r.radius = vv_object_is_set(&p->base, "occlusion_radius") ? p->occlusion_radius : RADIUS * vvi_length(diagonal);
     hash_extinction(&r);
     const vv_status st = get_cells(&s->cells, &r, job);
-    return st == VV_OK ? tell_all(s, &r) : st;
+    return st == VV_OK ? tell_all(s, &r, job) : st;
 }

@@ -79,7 +79,7 @@ typedef struct vvi_raycast_state {
     const vvi_raycast_volume *cloud; /**< the only cloud, if a kernel of one volume draws it */
     vvi_ray_meshes meshes;
     vvi_light_volume light;                /**< how much of it arrives where; cells NULL: all */
-    struct vvi_cached *cells;              /**< of it */
+    struct vvi_cached *cells, *scattered;  /**< of it */
     vvi_blend_setup blend;                 /**< of the others; n_volumes 0: nothing to blend */
     vvi_bricks *bricks[VVI_BLEND_VOLUMES]; /**< of volumes that have some, each once, by their addresses */
     size_t n_bricks;

@@ -206,6 +206,58 @@ static void unshaded_fog_is_dimmed_by_the_share_that_arrives(void **state)
     vv_field_release(ball_of_fog);
 }
 
+/* Root of the light that is left of what is not shaded, in one cell. */
+static double root_of_cell(const vvi_light_volume *v, const int32_t at[3])
+{
+    const size_t cell = (size_t)((at[2] * v->n[1] + at[1]) * v->n[0] + at[0]);
+    double sum = (double)v->scatter_rest;
+    for (int i = 0; i < v->n_shares; i++) {
+        const double root = (v->cells[cell * (size_t)v->n_words + (size_t)i / 4] >> (i % 4 * 8) & 255) / 255.0;
+        sum += (double)v->scatter[i] * (i == 0 ? (double)v->ambient : 1) * root * root;
+    }
+    return sqrt(sum);
+}
+
+/* Any number of shares, anywhere: the roots of cells' sums, interpolated linearly, as far as bytes hold them. */
+static void unshaded_light_is_the_sum_of_the_shares_between_cells(void **state)
+{
+    (void)state;
+    enum { X = 5, Y = 3, Z = 4, CELLS = X * Y * Z };
+    uint32_t cells[2 * CELLS], scattered[CELLS];
+    for (size_t i = 0; i < 2 * CELLS; i++)
+        cells[i] = (uint32_t)(test_random_unit(3, i) * 4294967295.0);
+    for (int n = 1; n <= VVI_LIGHT_SHARES; n++) {
+        vvi_light_volume v = {.cells = cells, .scattered = scattered, .n = {X, Y, Z}, .n_words = (n + 3) / 4};
+        v.n_shares = n;
+        v.ambient = 2;
+        v.scatter_rest = 0.1f;
+        for (int i = 0; i < n; i++)
+            v.scatter[i] = 0.9f / (float)(n + 1);
+        for (int a = 0; a < 3; a++)
+            v.world_to_cell[a][a] = 1;
+        vvi_light_pack_scattered(scattered, &v);
+        for (uint64_t i = 0; i < 300; i++) {
+            double at[3], root = 0;
+            int32_t first[3];
+            for (int a = 0; a < 3; a++) {
+                at[a] = test_random_unit(5, 3 * i + (uint64_t)a) * (v.n[a] - 1.002);
+                first[a] = (int32_t)at[a];
+            }
+            for (int b = 0; b < 8; b++) {
+                double weight = 1;
+                int32_t corner[3];
+                for (int a = 0; a < 3; a++) {
+                    corner[a] = first[a] + (b >> a & 1);
+                    weight *= 1 - fabs(at[a] - corner[a]);
+                }
+                root += weight * root_of_cell(&v, corner);
+            }
+            const double got = vvi_light_scattered(&v, vvi_vec(at[0], at[1], at[2]), vvi_vec(0, 0, 0));
+            assert_float_equal(sqrt(got), root, 0.5001 / 255);
+        }
+    }
+}
+
 static bool same(const vv_image *a, const vv_image *b)
 {
     return memcmp(a->rgba, b->rgba, 4 * sizeof(float) * (size_t)a->width * (size_t)a->height) == 0;
@@ -259,6 +311,16 @@ static void what_did_not_change_is_kept(void **state)
     s.lamps[0].direction = vvi_vec(0, 0, 1);
     vvi_raycast_finish(prepare(&s, job));
     assert_int_equal(misses(job) - before, 1);
+    s.actor.shading_model = VV_SHADING_NONE; /* needs the sum of the shares, but no other shares */
+    before = misses(job);
+    vvi_raycast_finish(prepare(&s, job));
+    assert_int_equal(misses(job) - before, 1);
+    s.lamps[0].color[1] = 0.1f;
+    vvi_raycast_finish(prepare(&s, job));
+    assert_int_equal(misses(job) - before, 2);
+    vvi_raycast_finish(prepare(&s, job));
+    assert_int_equal(misses(job) - before, 2);
+    s.actor.shading_model = VV_SHADING_BLINN;
     before = misses(job);
     s.opacity[3] = 0.5;
     vvi_raycast_finish(prepare(&s, job));
@@ -297,6 +359,7 @@ int main(void)
         cmocka_unit_test(a_point_lamp_in_fog_fades_with_distance),
         cmocka_unit_test(ambient_light_above_a_half_space_is_the_formula),
         cmocka_unit_test(unshaded_fog_is_dimmed_by_the_share_that_arrives),
+        cmocka_unit_test(unshaded_light_is_the_sum_of_the_shares_between_cells),
         cmocka_unit_test(threads_do_not_change_it_and_what_is_off_changes_nothing),
         cmocka_unit_test(what_did_not_change_is_kept),
         cmocka_unit_test(more_lamps_than_cast_shadows_are_refused),
