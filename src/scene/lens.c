@@ -122,28 +122,63 @@ static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 a
     return fmax(distance, 1e-3 * radius(fit, at));
 }
 
-/* How far the middle of the picture is from `at` along one of the camera's axes where what is seen reaches as near to
- * one side as to the other. A place (x, z) beside a camera at middle - distance is inside if |x - middle| <= tan
- * (distance + z): the sides nearest to it touch x - tan z and x + tan z, whatever the distance. */
-static double centre(const vvi_fit *fit, vv_vec3 axis, vv_vec3 forward, double tan_side, vv_vec3 at)
+/* Where what is seen lies across the picture along one of the camera's axes, opened by a tangent to each side. */
+typedef struct extent {
+    double middle, half; /* half: of the least picture through `at` that holds all, and whose middle is there */
+    double gain;         /* how fast half shrinks with the tangent */
+} extent;
+
+/* A place (x, z) beside `at` is inside if |x - middle| <= half + tangent z: the sides nearest to all places touch
+ * x - tangent z and x + tangent z. */
+static extent extent_at(const vvi_fit *fit, vv_vec3 axis, vv_vec3 forward, double tangent, vv_vec3 at)
 {
-    double high = -INFINITY, low = INFINITY;
+    double high = -INFINITY, low = INFINITY, z_high = 0, z_low = 0;
     for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = vvi_sub(fit->corner[i], at);
-        const double x = vvi_dot(p, axis), z = vvi_dot(p, forward) * tan_side;
-        high = fmax(high, x - z);
-        low = fmin(low, x + z);
+        const double x = vvi_dot(p, axis), z = vvi_dot(p, forward);
+        if (x - tangent * z > high) {
+            high = x - tangent * z;
+            z_high = z;
+        }
+        if (x + tangent * z < low) {
+            low = x + tangent * z;
+            z_low = z;
+        }
     }
-    return fit->n_corners ? (high + low) / 2 : 0;
+    return (extent){.middle = (high + low) / 2, .half = (high - low) / 2, .gain = (z_high + z_low) / 2};
 }
 
-/* Moves `at` in the plane of the picture. */
+/* The middle of the least picture that holds all, seen from a distance. Its tangent t is where half(t) = t distance;
+ * the difference is convex, falls, and has finitely many corners, so Newton's steps from 0 climb to it and end. */
+static double middle_from(const vvi_fit *fit, vv_vec3 axis, vv_vec3 forward, double distance, vv_vec3 at)
+{
+    double tangent = 0;
+    extent e = extent_at(fit, axis, forward, 0, at);
+    for (int step = 0; step < 64 && e.gain + distance > 0; step++) {
+        const double next = tangent + (e.half - tangent * distance) / (e.gain + distance);
+        if (!(next > tangent))
+            break;
+        tangent = next;
+        e = extent_at(fit, axis, forward, tangent, at);
+    }
+    return e.middle;
+}
+
+/* Moves `at` in the plane of the picture to where what is seen reaches as near to one side as to the other. The eye is
+ * as far away as the axis that needs more room says; the other axis is balanced for that eye, not for a nearer one. */
 static vv_vec3 centred(const vvi_fit *fit, const vv_lens *lens, const vv_camera *camera, double aspect, vv_vec3 at)
 {
-    const double tan_y = lens->parallel ? 0 : tan(camera->fov / 2) * (1 - fit->margin);
-    const double x = centre(fit, lens->right, lens->forward, tan_y * aspect, at);
-    const double y = centre(fit, lens->up, lens->forward, tan_y, at);
-    return vvi_add(at, vvi_add(vvi_scaled(lens->right, x), vvi_scaled(lens->up, y)));
+    if (fit->n_corners == 0)
+        return at;
+    const double tan_y = lens->parallel ? 0 : tan(camera->fov / 2) * (1 - fit->margin), tan_x = tan_y * aspect;
+    extent x = extent_at(fit, lens->right, lens->forward, tan_x, at);
+    extent y = extent_at(fit, lens->up, lens->forward, tan_y, at);
+    if (!lens->parallel) {
+        const double distance = fmax(x.half / tan_x, y.half / tan_y);
+        x.middle = middle_from(fit, lens->right, lens->forward, distance, at);
+        y.middle = middle_from(fit, lens->up, lens->forward, distance, at);
+    }
+    return vvi_add(at, vvi_add(vvi_scaled(lens->right, x.middle), vvi_scaled(lens->up, y.middle)));
 }
 
 static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at, double aspect)
