@@ -341,8 +341,10 @@ static vv_field *make_ball(vv_job *job)
     void *data;
     vv_field *field;
     assert_int_equal(vv_field_new_empty(&field, &data, &info, job), VV_OK);
-    for (int i = 0; i < SIDE * SIDE * SIDE; i++)
-        ((float *)data)[i] = 5 - (float)hypot(hypot(i % SIDE - 7.5, i / SIDE % SIDE - 7.5), i / SIDE / SIDE - 7.5);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        ((float *)data)[i] = 5 - (float)hypot(hypot(at[0] - 7.5, at[1] - 7.5), at[2] - 7.5);
+    }
     return field;
 }
 
