@@ -40,42 +40,21 @@ static void collect(void *user, const vvi_walk *walk, const int64_t at[3])
         l->length[l->n++] = g;
 }
 
-static vv_status measure(double *out, const vv_actor *actor, vv_job *job)
+static vv_status measure(void *out, const vv_actor *actor, vv_job *job)
 {
     const size_t bytes = VVI_WALK_MOST * sizeof(double);
     lengths l = {.length = vvi_alloc(job, bytes, VVI_MEM_SCRATCH)};
-    *out = 0;
     if (!l.length)
         return vv_fail_memory(bytes);
     const vv_status st = vvi_walk_samples(actor, collect, &l, job);
     if (st == VV_OK)
-        *out = high_quantile(l.length, l.n);
+        *(double *)out = high_quantile(l.length, l.n);
     vvi_free(l.length);
-    return st;
-}
-
-static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
-{
-    double *scale = vvi_alloc(job, sizeof *scale, VVI_MEM_DERIVED);
-    if (!scale)
-        return vv_fail_memory(sizeof *scale);
-    const vv_status st = measure(scale, user, job);
-    *value_out = scale;
-    *bytes_out = sizeof *scale;
-    if (st != VV_OK)
-        vvi_free(scale);
     return st;
 }
 
 vv_status vvi_gradient_scale(double *out, const vv_actor *actor, vv_job *job)
 {
-    const vvi_cache_key key = vvi_walk_key("gradient scale", actor);
-    vvi_cached *cached = NULL;
     *out = 0;
-    const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, (void *)(uintptr_t)actor, job);
-    if (st != VV_OK)
-        return st;
-    *out = *(const double *)vvi_cached_value(cached);
-    vvi_cache_release(cached);
-    return VV_OK;
+    return vvi_walk_once(out, sizeof *out, "gradient scale", measure, actor, job);
 }

@@ -1,5 +1,4 @@
 #include "scene/value_profile.h"
-#include "core/memory.h"
 #include "grid/value_fit.h"
 #include "scene/lens.h"
 #include "scene/value_walk.h"
@@ -37,29 +36,13 @@ static void add(void *user, const vvi_walk *walk, const int64_t at[3])
     p->slope[(int)bin] += slope;
 }
 
-static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+static vv_status find(void *out, const vv_actor *actor, vv_job *job)
 {
-    const vv_actor *actor = user;
-    vvi_value_profile *p = vvi_alloc(job, sizeof *p, VVI_MEM_DERIVED);
-    if (!p)
-        return vv_fail_memory(sizeof *p);
-    vvi_profile_counts(p, actor->statistics);
-    const vv_status st = vvi_walk_samples(actor, add, p, job);
-    *value_out = p;
-    *bytes_out = sizeof *p;
-    if (st != VV_OK)
-        vvi_free(p);
-    return st;
+    vvi_profile_counts(out, actor->statistics);
+    return vvi_walk_samples(actor, add, out, job);
 }
 
 vv_status vvi_profile_get(vvi_value_profile *out, const vv_actor *actor, vv_job *job)
 {
-    const vvi_cache_key key = vvi_walk_key("value profile", actor);
-    vvi_cached *cached = NULL;
-    const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, (void *)(uintptr_t)actor, job);
-    if (st != VV_OK)
-        return st;
-    *out = *(const vvi_value_profile *)vvi_cached_value(cached);
-    vvi_cache_release(cached);
-    return VV_OK;
+    return vvi_walk_once(out, sizeof *out, "value profile", find, actor, job);
 }

@@ -1,7 +1,10 @@
 #include "scene/value_walk.h"
+#include "core/cache.h"
 #include "core/job.h"
+#include "core/memory.h"
 #include "grid/field.h"
 #include "scene/lens.h"
+#include <string.h>
 
 static double stored_at(const vvi_walk *w, const int64_t p[3])
 {
@@ -78,11 +81,40 @@ vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user
     return st;
 }
 
-vvi_cache_key vvi_walk_key(const char *what, const vv_actor *actor)
+typedef struct request {
+    vvi_walk_find_fn *find;
+    const vv_actor *actor;
+    size_t bytes;
+} request;
+
+static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    void *value = vvi_alloc(job, r->bytes, VVI_MEM_DERIVED);
+    if (!value)
+        return vv_fail_memory(r->bytes);
+    const vv_status st = r->find(value, r->actor, job);
+    *value_out = value;
+    *bytes_out = r->bytes;
+    if (st != VV_OK)
+        vvi_free(value);
+    return st;
+}
+
+vv_status vvi_walk_once(void *out, size_t bytes, const char *what, vvi_walk_find_fn *find, const vv_actor *actor,
+                        vv_job *job)
 {
     const struct {
         vv_affine place;
         int64_t component;
     } of = {actor->index_to_world, actor->component};
-    return (vvi_cache_key){what, vv_field_identity(actor->field), vvi_hash(&of, sizeof of, 0)};
+    const vvi_cache_key key = {what, vv_field_identity(actor->field), vvi_hash(&of, sizeof of, 0)};
+    request r = {find, actor, bytes};
+    vvi_cached *cached = NULL;
+    const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, &r, job);
+    if (st != VV_OK)
+        return st;
+    memcpy(out, vvi_cached_value(cached), bytes);
+    vvi_cache_release(cached);
+    return VV_OK;
 }

@@ -3,7 +3,6 @@
  */
 #ifndef VVI_SCENE_VALUE_WALK_H
 #define VVI_SCENE_VALUE_WALK_H
-#include "core/cache.h"
 #include "core/status.h"
 #include <volvis/sys/scene.h>
 
@@ -28,8 +27,12 @@ vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user
 /** As many visits as there are at most. */
 enum { VVI_WALK_ALONG = 67, VVI_WALK_MOST = VVI_WALK_ALONG * VVI_WALK_ALONG * VVI_WALK_ALONG };
 
-/** What is made of such a walk is kept under this key: the same samples at the same place. */
-vvi_cache_key vvi_walk_key(const char *what, const vv_actor *actor);
+/** Finds something of an actor's samples. */
+typedef vv_status vvi_walk_find_fn(void *out, const vv_actor *actor, vv_job *job);
+/** What `find` finds, of so many bytes: once for a field in one place, kept in the cache under the name `what`. Errors:
+ * those of `find`, VV_E_MEMORY. */
+vv_status vvi_walk_once(void *out, size_t bytes, const char *what, vvi_walk_find_fn *find, const vv_actor *actor,
+                        vv_job *job);
 
 /** The value at the sample that is visited, or one beside it. */
 double vvi_walk_value(const vvi_walk *walk, const int64_t at[3]);
