@@ -131,7 +131,6 @@ static void add_signed(vv_mesh_measures *sum, const vv_mesh_measures *part, doub
 static vv_status measure_dented(vv_mesh_measures *out, const vv_measured_data *data, const vv_region_shape *r,
                                 const outline *o, bool open, vv_job *job)
 {
-    const vv_vec3 none = {NAN, NAN, NAN};
     vv_mesh_measures part;
     vv_status st = VV_OK;
     double whole = 0;
@@ -152,13 +151,13 @@ static vv_status measure_dented(vv_mesh_measures *out, const vv_measured_data *d
         any = true;
         add_signed(out, &part, sign > 0 ? 1 : -1);
     }
+    if (st != VV_OK)
+        return st;
     out->area.value = fmax(0, out->area.value);
     if (out->closed)
         out->volume.value = fmax(0, out->volume.value);
-    out->bounds = (vv_bounds){none, none};
-    for (int a = 0; a < 3; a++)
-        out->centroid[a].value = out->centroid[a].error = NAN;
-    return st;
+    vvi_mesh_measures_drop_box(out);
+    return VV_OK;
 }
 
 vv_status vvi_measure_in_region(vv_mesh_measures *out, const vv_measured_data *data, const vv_region_shape *region,

@@ -49,6 +49,14 @@ void vvi_mesh_measures_put(vv_answer *a, unsigned what, const vv_mesh_measures *
         vvi_tell_note(a, "the triangles face inwards; the volume is given as if they faced outwards");
 }
 
+void vvi_mesh_measures_drop_box(vv_mesh_measures *measures)
+{
+    const vv_vec3 none = {NAN, NAN, NAN};
+    measures->bounds = (vv_bounds){none, none};
+    for (int a = 0; a < 3; a++)
+        measures->centroid[a].value = measures->centroid[a].error = NAN;
+}
+
 void vvi_measuring_note_no_triangles(vvi_measuring *m, const vv_mesh_measures *found)
 {
     if (found->n_triangles == 0 && !(found->volume.value > 0))

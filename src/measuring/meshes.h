@@ -8,6 +8,8 @@
 
 /** The figures that `what` asks for. */
 void vvi_mesh_measures_put(vv_answer *answer, unsigned what, const vv_mesh_measures *measures, const char *unit);
+/** Where area and volume alone are known: its box and centroid are NaN. */
+void vvi_mesh_measures_drop_box(vv_mesh_measures *measures);
 /** Says so where nothing of it is left. */
 void vvi_measuring_note_no_triangles(vvi_measuring *m, const vv_mesh_measures *found);
 /** mesh_region.c: of meshes as a scene has them what of them is in a region, cut there; the flat faces that close it,

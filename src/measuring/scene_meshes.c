@@ -27,7 +27,6 @@ static vv_status cut(vv_mesh **out, const vv_measured_data *s, bool cap, vv_job 
 static vv_status keep_inside(vv_mesh_measures *out, const vv_mesh *mesh, const vv_measured_data *s,
                              const vv_region_shape *ellipsoid, vv_job *job)
 {
-    const vv_vec3 none = {NAN, NAN, NAN};
     vvi_mesh_inside inside;
     const vv_status st = vvi_mesh_in_ellipsoid(&inside, mesh, &s->place, ellipsoid, job);
     if (st != VV_OK)
@@ -36,9 +35,7 @@ static vv_status keep_inside(vv_mesh_measures *out, const vv_mesh *mesh, const v
     out->area.value = inside.area;
     if (out->closed)
         out->volume.value = fmax(0, out->inside_out ? -inside.volume : inside.volume);
-    out->bounds = (vv_bounds){none, none};
-    for (int a = 0; a < 3; a++)
-        out->centroid[a].value = out->centroid[a].error = NAN;
+    vvi_mesh_measures_drop_box(out);
     return VV_OK;
 }
 
