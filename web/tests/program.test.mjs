@@ -401,7 +401,12 @@ describe("the program behind the page", TOGETHER, () => {
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `v ${(i & 1) * 10} ${((i >> 1) & 1) * 10} ${(i >> 2) * 10}`);
     const faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"].map((f) => `f ${f}`);
     writeFileSync(join(place, "block.obj"), `${[...corners, ...faces].join("\n")}\n`);
-    return withProgram(["block.obj", "--spp", "1"], async (page) => {
+    // beside a volume, which it hides, what is clicked decides
+    const core = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (3,3,3)\n\n";
+    writeFileSync(join(place, "core.nrrd"), Buffer.concat([Buffer.from(core), Buffer.from(Uint8Array.from({ length: 64 }, (_, n) => n))]));
+    const both = { schema: 1, datasets: { core: { kind: "regular", path: "core.nrrd" }, block: { kind: "mesh", path: "block.obj" } }, volumes: { core: { data: "core" }, block: { data: "block" } } };
+    writeFileSync(join(place, "both.vv.json"), JSON.stringify(both));
+    const withRoom = (name, act) => withProgram([name, "--spp", "1"], async (page) => {
       await waitForPicture(page);
       await page.locator("[data-viewport]").focus();
       await page.keyboard.press("m");
@@ -411,7 +416,7 @@ describe("the program behind the page", TOGETHER, () => {
       const draw = async (tool, kind, places, end) => {
         const before = await rows.count();
         await page.locator(".measure-tool", { hasText: tool }).click();
-        await page.locator(".measure-wish select").selectOption(kind);
+        if (kind) await page.locator(".measure-wish select").selectOption(kind);
         for (const [x, y] of places) await page.mouse.click(view.x + view.width / 2 + x, view.y + view.height / 2 + y);
         if (end) await until(async () => (await page.locator(".measure-overlay g[aria-hidden] .measure-dot").count()) === places.length, "not all corners are drawn");
         if (end) await page.keyboard.press(end);
@@ -428,13 +433,19 @@ describe("the program behind the page", TOGETHER, () => {
         for (const name of ["area", "volume"].filter((n) => n in figures)) assert.ok(Math.abs(said[name] - figures[name]) <= 1e-6 * (1 + figures[name]), `${line}: ${said[name]}, in the page ${figures[name]}`);
         return figures;
       };
+      await act(draw, page);
+    }, { place });
+    return withRoom("block.obj", async (draw, page) => {
       const outlined = await draw(/^Polygon$/, "volume", [[0, 0], [50, -50], [60, 40], [-40, 50]], "Enter"); // all the way through
       const ball = await draw(/^Sphere$/, "volume", [[0, 0], [12, 0]]); // around a place on the surface
       const part = await draw(/^Rectangle$/, "area", [[-30, -30], [30, 30]]);
       for (const value of [outlined.volume, ball.volume]) assert.ok(value > 0 && value < 1000, `${value} of 1000`);
       assert.ok(part.area > 0 && part.area < 600, `${part.area} of 600`);
       assert.equal(await page.locator(".measure-tool", { hasText: /^Ellipse$/ }).isDisabled(), true);
-    }, { place });
+    }).then(() => withRoom("both.vv.json", async (draw) => {
+      const { area } = await draw(/^Rectangle$/, null, [[-30, -30], [30, 30]]);
+      assert.ok(area > 0 && area < 600, `${area} of 600`);
+    }));
   });
 
   test("a colour map is moved by its ends", { skip }, () => withProgram(QUICK, async (page) => {

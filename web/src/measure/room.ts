@@ -19,10 +19,13 @@ const onlyMeshes = computed(() => {
   return seen.length > 0 && seen.every((id) => store.isMesh(id));
 });
 /** What a tool can measure of what is there; none: it is of no use. */
-export const kindsOf = (of: Tool): string[] => (onlyMeshes.value ? kindsOnMeshes(of, store.welcome.value?.measures ?? []) : of.kinds);
+export const kindsOf = (of: Tool, ofMesh = onlyMeshes.value): string[] => (ofMesh ? kindsOnMeshes(of, store.welcome.value?.measures ?? []) : of.kinds);
 /** Of a tool that can measure several things of what is clicked: which. */
 export const wish = signal<{ [tool: string]: string }>({});
-export const kindOf = (of: Tool): string => kindsOf(of).find((kind) => kind === wish.value[of.name]) ?? kindsOf(of)[0] ?? of.kinds[0]!;
+export const kindOf = (of: Tool, ofMesh = onlyMeshes.value): string => {
+  const kinds = kindsOf(of, ofMesh);
+  return kinds.find((kind) => kind === wish.value[of.name]) ?? kinds[0] ?? of.kinds[0]!;
+};
 
 /** A place, and what was under the pointer there. */
 export interface Place {
@@ -137,16 +140,19 @@ function boxOf(places: Place[]): JsonObject | string {
   return box ? { box, ...(volume !== firstVisible() ? { volume } : {}) } : "No sample lies in that region.";
 }
 
+/** Beside a volume, what is clicked decides. */
+const isOfMesh = (place: Place | undefined): boolean => (place?.seen?.volume ? store.isMesh(place.seen.volume) : onlyMeshes.value);
+
 /** Meshes have no slices: what is drawn on them goes through, from the eye on and as far behind; 0: in a slice of a volume. */
-function depthAt({ at, seen }: Place): number {
+function depthAt(place: Place): number {
+  const { at } = place;
   const eye = store.pose.value?.eye;
-  const ofMesh = seen?.volume ? store.isMesh(seen.volume) : onlyMeshes.value;
-  return ofMesh && eye ? Number((2 * Math.hypot(...minus(at, eye as Vec3))).toPrecision(3)) : 0;
+  return isOfMesh(place) && eye ? Number((2 * Math.hypot(...minus(at, eye as Vec3))).toPrecision(3)) : 0;
 }
 
 /** What a tool makes of its clicks; a sentence: it makes nothing of them. */
 function measurementOf(of: Tool, places: Place[]): JsonObject | string {
-  const what = kindOf(of);
+  const what = kindOf(of, isOfMesh(places[0]));
   const seen = places[0]?.seen ?? null;
   switch (of.takes) {
     case "points":
