@@ -58,8 +58,8 @@ void vvi_light_pack_scattered(uint32_t *out, const vvi_light_volume *v)
     const size_t row = (size_t)v->n[0], slice = row * (size_t)v->n[1], n_cells = slice * (size_t)v->n[2];
     for (size_t c = 0; c < n_cells; c++)
         out[c] = (uint32_t)(sqrtf(sum_of_shares(v, v->cells + c * (size_t)v->n_words)) * 255 + 0.5f);
-    for (int a = 1; a < 3;
-         a++) { /* the next ones' bytes beside their own; the last cells of an axis are none's first */
+    /* the next ones' bytes beside their own; the last cells of an axis are none's first */
+    for (int a = 1; a < 3; a++) {
         const size_t next = a == 1 ? row : slice;
         for (size_t c = 0; c + next < n_cells; c++)
             out[c] |= (out[c + next] & (a == 1 ? 0xffu : 0xffffu)) << (8 * a);
