@@ -108,6 +108,8 @@ struct vv_property {
                            it is no option */
     const char *const *aliases; /**< enum, string: pairs of a word that people type and the name that it stands for;
                                    ends with NULL. Read, and never written or listed */
+    const char *label; /**< what panels call it, in small letters, where its name says too little to whoever has not
+                          read about it */
 };
 
 struct vv_class {

@@ -30,6 +30,8 @@ static void tell_property(vvi_result *out, const vv_property *row)
 {
     vvi_result_open(out, NULL, '{');
     vvi_property_tell(out, row);
+    if (row->label)
+        vvi_result_string(out, "label", row->label);
     if (row->when)
         vvi_result_string(out, "when", row->when);
     if (row->automatic)

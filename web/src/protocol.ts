@@ -17,6 +17,8 @@ export interface Property {
   automatic?: string | null;
   quantity?: "length" | "angle" | "time" | "bytes" | "ratio" | "label" | null;
   unit?: string | null;
+  /** What panels call it where its name says too little. */
+  label?: string | null;
   /** "mode=composite|mean": acts while that property beside it has one of these values; "pieces|least": while one is set. */
   when?: string | null;
   min?: number | null;

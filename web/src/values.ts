@@ -38,20 +38,15 @@ export function label(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** Names that say too little to whoever has not read about them. */
-const PLAIN: { [name: string]: string | undefined } = {
-  halvings: "halve data, times", opaque: "end of rays", parc: "skip empty ends", skipping: "skip empty blocks",
-};
-
 /** What panels call a property. */
 export function labelOf(row: Property): string {
-  return label(PLAIN[row.name] ?? row.name);
+  return label(row.label ?? row.name);
 }
 
 /** What a tool tip says of it, with the word that scenes and command lines have where that is another. */
 export function tipOf(row: Property): string {
   const automatic = row.automatic ? ` Automatic: ${row.automatic}.` : "";
-  return `${sentence(row.doc)}${automatic}${PLAIN[row.name] ? ` In scenes and lines: ${row.name}.` : ""}`;
+  return `${sentence(row.doc)}${automatic}${row.label ? ` In scenes and lines: ${row.name}.` : ""}`;
 }
 
 /** Docs of tables are lines without capital and full stop. */

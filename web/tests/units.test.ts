@@ -310,7 +310,7 @@ test("what a property is called, and what its tool tip says", () => {
   const row = { name: "range_lo", kind: "number" as const, doc: "the lower end" };
   assert.equal(labelOf(row), "Range lo");
   assert.equal(tipOf(row), "The lower end.");
-  const named = { name: "parc", kind: "bool" as const, doc: "follow rays between boxes", automatic: "on" };
+  const named = { name: "parc", label: "skip empty ends", kind: "bool" as const, doc: "follow rays between boxes", automatic: "on" };
   assert.equal(labelOf(named), "Skip empty ends");
   assert.equal(tipOf(named), "Follow rays between boxes. Automatic: on. In scenes and lines: parc.");
 });

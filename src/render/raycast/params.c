@@ -23,8 +23,8 @@ static const vv_property properties[] = {
      .when = "mode=composite|maximum|minimum|mean|sum|local-maximum",
      .doc =
          "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it changes only the accuracy"},
-    {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
-     .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
+    {VV_PROP(vvi_raycast_params, opaque), .label = "end of rays", .kind = VV_KIND_F64, .quantity = VV_Q_RATIO,
+     .limited = true, .min = 0, .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
      .doc = "a ray ends when less than this share of light still passes"},
     {VV_PROP(vvi_raycast_params, gradient), .kind = VV_KIND_ENUM, .names = gradient_names, .def = VVI_GRADIENT_CENTRAL,
      .automatic = "cell for quality draft, else central",
@@ -34,14 +34,14 @@ static const vv_property properties[] = {
      .automatic = "on from two rays per pixel, except at quality reference",
      .doc = "vary the position of samples from ray to ray: fine grain instead of rings, which several passes average "
             "out; for light through clouds, mean and sum"},
-    {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
+    {VV_PROP(vvi_raycast_params, skipping), .label = "skip empty blocks", .kind = VV_KIND_BOOL, .def = 1,
      .doc = "skip blocks in which nothing is visible, or that a projection knows without their samples; the picture is "
             "the same without it, for surfaces, means and sums to rounding"},
-    {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
+    {VV_PROP(vvi_raycast_params, parc), .label = "skip empty ends", .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without it, to rounding; for light through clouds and for surfaces"},
-    {VV_PROP(vvi_raycast_params, halvings), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 8,
-     .automatic = "0; at quality draft as many as leave 2^25 samples, about 320 x 320 x 320",
+    {VV_PROP(vvi_raycast_params, halvings), .label = "halve data, times", .kind = VV_KIND_I64, .limited = true,
+     .min = 0, .max = 8, .automatic = "0; at quality draft as many as leave 2^25 samples, about 320 x 320 x 320",
      .doc = "how many times the samples of each axis are halved before rays are cast, to the mean of two or to what a "
             "projection looks for; for large volumes in motion. Labels, colours and nearest samples are not reduced"},
     {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,
