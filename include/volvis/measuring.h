@@ -120,7 +120,7 @@ typedef struct vv_answer_item {
     double value, error; /**< NaN: there is none, none is known */
     double chance;       /**< of one without an error: how far chance may put it; 0: not known */
     uint64_t count;
-    const double *numbers;
+    const double *numbers; /**< of a figure: its path, in the space of what was asked */
     const uint64_t *counts;
     size_t n, columns;
     const vv_statistics *bars;

@@ -320,6 +320,7 @@ typedef struct vv_measured_figure {
     char *name;
     double value, error; /**< unset: there is none, or it is not known */
     char *unit;
+    vv_numbers *path; /**< of a length along a surface: rows of 3, in the measurement's `space`; NULL: it has none */
 } vv_measured_figure;
 
 /** Where something is measured, in a frame of its own: drawn in a slice, or in space. What the kinds need stands side

@@ -147,15 +147,28 @@ void vvi_tell_bool(vv_answer *a, const char *key, bool value)
     add(a, VV_ANSWER_BOOL, VV_FOR_PROGRAMS, key)->count = value;
 }
 
-static void add_numbers(vv_answer *a, vv_answer_kind kind, const char *key, const double *v, size_t n, size_t columns)
+static void set_numbers(vv_answer *a, vv_answer_item *item, const double *v, size_t n, size_t columns)
 {
     double *numbers = vvi_answer_room(a, n * columns, sizeof *numbers);
-    vv_answer_item *item = add(a, kind, VV_FOR_PROGRAMS, key);
     if (numbers)
         memcpy(numbers, v, n * columns * sizeof *v);
     item->numbers = numbers;
     item->n = numbers ? n : 0;
     item->columns = columns;
+}
+
+static void add_numbers(vv_answer *a, vv_answer_kind kind, const char *key, const double *v, size_t n, size_t columns)
+{
+    set_numbers(a, add(a, kind, VV_FOR_PROGRAMS, key), v, n, columns);
+}
+
+void vvi_tell_path(vv_answer *a, const char *key, const double *v, size_t n)
+{
+    for (size_t i = 0; i < a->n; i++) {
+        vv_answer_item *item = &a->item[i];
+        if (item->kind == VV_ANSWER_FIGURE && item->key && strcmp(item->key, key) == 0)
+            set_numbers(a, item, v, n, 3);
+    }
 }
 
 void vvi_tell_numbers(vv_answer *a, const char *key, const double *v, size_t n)

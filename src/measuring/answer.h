@@ -42,6 +42,8 @@ void vvi_tell_figure(vv_answer *a, const vvi_figure *figure);
 void vvi_tell(vv_answer *a, const char *key, const char *label, double value, double error, const char *unit);
 /** For some of vv_answer_for. */
 void vvi_tell_figure_for(vv_answer *a, const vvi_figure *figure, unsigned whom);
+/** The path of a figure that was told: rows of 3 in the measurement's space. */
+void vvi_tell_path(vv_answer *a, const char *key, const double *v, size_t n);
 /** A count that is told to people only where it is not 0. */
 void vvi_tell_rare(vv_answer *a, const char *key, const char *label, uint64_t count);
 /** Three numbers of a place: together for programs (without errors), `key`_x to `key`_z in tables and scenes. error:

@@ -168,6 +168,17 @@ static void add_number(vvi_text *out, const char *name, double value)
     vvi_text_printf(out, ", \"%s\": %s", name, number);
 }
 
+static void add_path(vvi_text *out, const double *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        char x[3][32];
+        for (int a = 0; a < 3; a++)
+            vvi_print_number(x[a], v[3 * i + (size_t)a]);
+        vvi_text_printf(out, "%s[%s, %s, %s]", i ? ", " : ", \"path\": [", x[0], x[1], x[2]);
+    }
+    vvi_text_add(out, n ? "]" : "");
+}
+
 vv_status vv_answer_figures(char **json_out, const vv_answer *a)
 {
     vvi_text out = {0};
@@ -184,6 +195,7 @@ vv_status vv_answer_figures(char **json_out, const vv_answer *a)
             vvi_text_add(&out, ", \"unit\": ");
             vvi_text_json(&out, f->unit);
         }
+        add_path(&out, f->numbers, f->n);
         vvi_text_add(&out, "}");
     }
     vvi_text_add(&out, "]");

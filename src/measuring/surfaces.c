@@ -1,5 +1,6 @@
 /* Distances to, between and along surfaces. A volume's is the mesh of Marching Cubes. */
 #include "core/vec.h"
+#include "measure/path_thin.h"
 #include "measuring/meshes.h"
 #include "surface/clip.h"
 #include "surface/labels.h"
@@ -269,6 +270,24 @@ vv_status vvi_measure_point_to_surface(vvi_measuring *m)
 /* Along a surface ---------------------------------------------------------------------------------------------------
  */
 
+#define SHOWN 0.0005 /* of its length: what a path may be moved by in pictures */
+
+/* The path of a figure as scenes keep it; its points are changed. */
+static vv_status put_thinned(vv_answer *a, const char *key, vv_mesh_path *path, const surface *s)
+{
+    vv_affine back;
+    size_t n;
+    const vv_status st = vvi_path_thin(&n, path->points, path->n_points, SHOWN * path->length.value);
+    if (st != VV_OK)
+        return st;
+    if (s->is_volume && s->m.asked->space == VV_MEASURE_IN_INDEX &&
+        vv_affine_invert(&back, vv_field_get_info(s->m.field)->grid.index_to_world))
+        for (size_t i = 0; i < n; i++)
+            path->points[i] = vv_affine_point(back, path->points[i]);
+    vvi_tell_path(a, key, &path->points[0].x, n);
+    return VV_OK;
+}
+
 static void put_path(vv_answer *a, const vv_mesh_path *path)
 {
     vvi_tell_bool(a, "shortest", path->shortest);
@@ -299,6 +318,7 @@ static vv_status along(vv_answer *a, const surface *s)
         vvi_tell(a, "straight", "straight", vv_distance(from, to), hypot(sqrt(2) * known, sqrt(2) * s->off),
                  unit_of(s));
         put_path(a, &path);
+        st = put_thinned(a, "geodesic", &path, s);
     }
     vv_mesh_path_finish(&path);
     return st;

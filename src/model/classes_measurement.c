@@ -11,6 +11,8 @@ static const vv_property figure[] = {
     {VV_PROP(vv_measured_figure, error), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
      .automatic = "not known", .doc = "its error"},
     {VV_PROP(vv_measured_figure, unit), VVI_WORD, .doc = "of value and error"},
+    {VV_PROP(vv_measured_figure, path), .kind = VV_KIND_NUMBERS, .columns = 3,
+     .doc = "of a length along a surface: the path, in the measurement's space, thinned to what pictures show"},
     {0},
 };
 const vv_class vvi_measured_figure_class = {

@@ -81,6 +81,24 @@ def test_the_scene_holds_arguments_and_figures():
     near(figure(stored("study.vv.json")["whole"], "volume")["value"], 4 / 3 * math.pi * 1000, 0.004)
 
 
+def test_a_way_along_a_surface_is_kept_with_its_path():
+    """On the sphere all the way, in the space of its places, and as long as was measured."""
+    prepare()
+    middle = np.array([31.3, 32.1, 31.8])
+    for space, scale in (("index", 1.0), ("world", 0.5)):
+        words = sum((["--point", ",".join(str(v * scale) for v in p)] for p in ((10, 32, 32), (32, 60, 32))), [])
+        ok("measure", "geodesic", "sphere.nrrd", "--iso", "0", "--space", space, *words, "--store", f"study.vv.json:{space}")
+        way = figure(stored("study.vv.json")[space], "geodesic")
+        path = np.array(way["path"]) / scale
+        assert 8 <= len(path) <= 100
+        assert np.all(np.abs(np.linalg.norm(path - middle, axis=1) - 20) < 0.1)
+        for end, given in ((path[0], (10, 32, 32)), (path[-1], (32, 60, 32))):  # triangles lean by 1/20, 8 voxels away
+            assert np.linalg.norm(end - (middle + 20 * (given - middle) / np.linalg.norm(given - middle))) < 0.4
+        near(np.linalg.norm(np.diff(path, axis=0), axis=1).sum() * 0.5, way["value"], 2e-3)
+    found = ok("measure", "study.vv.json", "--json").json
+    assert found["n_changed"] == 0 and len(found["measurements"][0]["path"]) >= 20
+
+
 def test_a_changed_volume_gives_new_figures_and_says_so():
     prepare()
     store_some("study.vv.json")

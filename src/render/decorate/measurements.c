@@ -1,6 +1,8 @@
 /* The World's measurements where they are: points with lines between them, regions and boxes, the seed of a piece,
  * and what came out. In a slice what lies in it; elsewhere over everything, since a line from surface to surface is
  * inside. */
+#include "core/memory.h"
+#include "core/status.h"
 #include "core/text.h"
 #include "core/vec.h"
 #include "measuring/figure_changes.h"
@@ -130,15 +132,36 @@ static bool keep_part(vv_vec3 end[2], const slice *in)
     return from <= to;
 }
 
-static vv_vec3 point_at(const vv_measurement *m, const vv_affine *space, size_t i)
+/* The figure that stands for its kind; NULL: nothing came out. */
+static const vv_measured_figure *main_figure(const vv_measurement *m)
 {
-    const double *v = m->points->v + 3 * i;
+    const char *name = vv_measure_kind_of(m)->main;
+    const vv_measured_figure *first = NULL;
+    for (size_t i = 0; i < m->figures->n; i++) {
+        const vv_measured_figure *f = (const vv_measured_figure *)(const void *)m->figures->entry[i].object;
+        if (name && f->name && strcmp(f->name, name) == 0)
+            return f;
+        first = first ? first : f;
+    }
+    return first;
+}
+
+/* What its line follows: the path that came out, else from point to point. NULL: it has none. */
+static const vv_numbers *line_of(const vv_measurement *m)
+{
+    const vv_measured_figure *f = main_figure(m);
+    return f && f->path && f->path->n >= 6 ? f->path : m->points;
+}
+
+static vv_vec3 nth_of(const vv_numbers *points, const vv_affine *space, size_t i)
+{
+    const double *v = points->v + 3 * i;
     return vv_affine_point(*space, vvi_vec(v[0], v[1], v[2]));
 }
 
-static size_t n_points(const vv_measurement *m)
+static size_t n_of(const vv_numbers *points)
 {
-    return m->points ? m->points->n / 3 : 0;
+    return points ? points->n / 3 : 0;
 }
 
 /* Corner k of the samples' box, whose outermost ones are half a step inside; false: no volume has it. */
@@ -204,10 +227,11 @@ static bool find_anchor(vv_vec3 *out, const vvi_sheet *s, const slice *in, const
     top t = {s, {0, 0, 0}, INFINITY};
     vv_vec3 corner[CORNERS];
     vv_affine space;
-    const size_t n = n_points(m);
+    const vv_numbers *line = line_of(m);
+    const size_t n = n_of(line);
     if (find_space(&space, s, m) && n) {
-        *out = n % 2 ? point_at(m, &space, n / 2)
-                     : vvi_scaled(vvi_add(point_at(m, &space, n / 2 - 1), point_at(m, &space, n / 2)), 0.5);
+        *out = n % 2 ? nth_of(line, &space, n / 2)
+                     : vvi_scaled(vvi_add(nth_of(line, &space, n / 2 - 1), nth_of(line, &space, n / 2)), 0.5);
         return true;
     }
     if (vv_object_is_set(&m->base, "seed") && find_space(&space, s, m)) {
@@ -236,20 +260,6 @@ static void print_unit(char *out, size_t bytes, const char *unit)
     else
         snprintf(out, bytes, "%s%s%s", *base ? " " : "", vvi_unit_sign(base),
                  power == 0 || power == 1 ? powers[power] : "");
-}
-
-/* The figure that stands for its kind; NULL: nothing came out. */
-static const vv_measured_figure *main_figure(const vv_measurement *m)
-{
-    const char *name = vv_measure_kind_of(m)->main;
-    const vv_measured_figure *first = NULL;
-    for (size_t i = 0; i < m->figures->n; i++) {
-        const vv_measured_figure *f = (const vv_measured_figure *)(const void *)m->figures->entry[i].object;
-        if (name && f->name && strcmp(f->name, name) == 0)
-            return f;
-        first = first ? first : f;
-    }
-    return first;
 }
 
 /* " (step 3)" where what came out is of another time step than the one that is seen. */
@@ -329,20 +339,40 @@ static vv_color ink_of(const vvi_sheet *s)
 
 /* Drawing ------------------------------------------------------------------------------------------------------- */
 
-/* A line of the World, as far as it is in the slice and before the eye. */
-static vv_status draw_line(const vvi_sheet *s, const slice *in, vv_vec3 p, vv_vec3 q)
+/* On the picture, a line of the World as far as it is in the slice and before the eye; false: nothing is. */
+static bool find_line(vv_vec3 out[2], const vvi_sheet *s, const slice *in, vv_vec3 p, vv_vec3 q)
 {
     vv_vec3 end[2] = {p, q};
     double depth;
     if (!keep_part(end, in))
-        return VV_OK;
+        return false;
     for (int i = 0; i < 2; i++) {
-        vv_vec3 at = {0, 0, 0};
-        if (!vvi_sheet_project(&at.x, &at.y, &depth, s, end[i]))
-            return VV_OK;
-        end[i] = at;
+        out[i] = vvi_vec(0, 0, 0);
+        if (!vvi_sheet_project(&out[i].x, &out[i].y, &depth, s, end[i]))
+            return false;
     }
-    return vvi_sheet_line(s, end, 2, WIDE * s->line);
+    return true;
+}
+
+static vv_status draw_line(const vvi_sheet *s, const slice *in, vv_vec3 p, vv_vec3 q)
+{
+    vv_vec3 end[2];
+    return find_line(end, s, in, p, q) ? vvi_sheet_line(s, end, 2, WIDE * s->line) : VV_OK;
+}
+
+/* At once: the edges of one line would lie on the next. */
+static vv_status draw_lines(const vvi_sheet *s, const slice *in, const vv_numbers *points, const vv_affine *space)
+{
+    size_t n = 0;
+    vv_vec3 *end = vvi_calloc(2 * n_of(points) + 1, sizeof *end);
+    if (!end)
+        return vv_fail_memory((2 * n_of(points) + 1) * sizeof *end);
+    for (size_t i = 0; i + 1 < n_of(points); i++)
+        if (find_line(end + n, s, in, nth_of(points, space, i), nth_of(points, space, i + 1)))
+            n += 2;
+    const vv_status st = vvi_sheet_line(s, end, n, WIDE * s->line);
+    free(end);
+    return st;
 }
 
 static vv_status draw_disc(const vvi_sheet *s, const slice *in, vv_vec3 p)
@@ -359,13 +389,11 @@ static vv_status draw_disc(const vvi_sheet *s, const slice *in, vv_vec3 p)
 static vv_status draw_points(const vvi_sheet *s, const slice *in, const vv_measurement *m)
 {
     vv_affine space;
-    vv_status st = VV_OK;
     if (!find_space(&space, s, m))
         return VV_OK;
-    for (size_t i = 0; i + 1 < n_points(m) && st == VV_OK; i++)
-        st = draw_line(s, in, point_at(m, &space, i), point_at(m, &space, i + 1));
-    for (size_t i = 0; i < n_points(m) && st == VV_OK; i++)
-        st = draw_disc(s, in, point_at(m, &space, i));
+    vv_status st = draw_lines(s, in, line_of(m), &space);
+    for (size_t i = 0; i < n_of(m->points) && st == VV_OK; i++)
+        st = draw_disc(s, in, nth_of(m->points, &space, i));
     return st;
 }
 

@@ -4,6 +4,7 @@
 #include "fail_alloc.h"
 #include "fields.h"
 #include "jobs.h"
+#include "measure/path_thin.h"
 #include "shapes.h"
 
 #include <math.h>
@@ -154,7 +155,7 @@ static double by_graph(const vv_mesh_info *m, size_t from, size_t to)
     const size_t n = m->n_triangles * EACH;
     vv_vec3 *p = malloc(n * sizeof *p);
     double *d = malloc(n * sizeof *d), result = INFINITY;
-    uint32_t *same = malloc(n * sizeof *same);
+    uint32_t *same = calloc(n, sizeof *same);
     for (size_t i = 0; i < n; i++) {
         const uint32_t *t = m->triangles + i / EACH * 3;
         const size_t k = i % EACH / POINTS;
@@ -245,6 +246,56 @@ static void what_cannot_be_is_an_error_and_nowhere_is_no_way(void **state)
     vv_mesh_release(square);
 }
 
+static double off_segment(vv_vec3 p, vv_vec3 from, vv_vec3 to)
+{
+    double least = INFINITY;
+    for (int i = 0; i <= 2000; i++) {
+        const vv_vec3 on = vvi_add(from, vvi_scaled(vvi_sub(to, from), i / 2000.));
+        const vv_vec3 off = vvi_sub(p, on);
+        least = fmin(least, sqrt(vvi_dot(off, off)));
+    }
+    return least;
+}
+
+/* A circle: chords of half an angle a are off by r (1 - cos a), so so many are needed, and half of them are too few. */
+static void a_thinned_path_is_as_near_as_is_said(void **state)
+{
+    (void)state;
+    enum { N = 1009 };
+    const double far = 0.01, half_angle = acos(1 - far / 5);
+    const size_t least = (size_t)ceil(2 * M_PI / (2 * half_angle));
+    vv_vec3 full[N], p[N];
+    size_t n, at = 0;
+    for (int i = 0; i < N; i++)
+        p[i] = full[i] = vvi_vec(5 * cos(2 * M_PI * i / (N - 1)), 5 * sin(2 * M_PI * i / (N - 1)), 0.001 * i);
+    assert_int_equal(vvi_path_thin(&n, p, N, far), VV_OK);
+    assert_true(n - 1 >= least && n - 1 <= 2 * least + 2);
+    assert_memory_equal(&p[0], &full[0], sizeof *p);
+    assert_memory_equal(&p[n - 1], &full[N - 1], sizeof *p);
+    for (int i = 0; i < N; i++) {
+        if (vv_distance(full[i], p[at + 1]) == 0 && at + 2 < n)
+            at++;
+        assert_true(off_segment(full[i], p[at], p[at + 1]) <= far + 1e-5);
+    }
+}
+
+static void thin_paths_of_few_points(void **state)
+{
+    (void)state;
+    vv_vec3 line[5] = {{0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {2, 4, 6}, {4, 8, 12}};
+    size_t n;
+    assert_int_equal(vvi_path_thin(&n, line, 0, 0), VV_OK);
+    assert_int_equal(n, 0);
+    assert_int_equal(vvi_path_thin(&n, line, 1, 0), VV_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(vvi_path_thin(&n, line, 5, 1e-12), VV_OK);
+    assert_int_equal(n, 2);
+    assert_within(line[1].z, 12, 0);
+    vv_vec3 there_and_back[3] = {{0, 0, 0}, {3, 0, 0}, {0, 0, 0}};
+    assert_int_equal(vvi_path_thin(&n, there_and_back, 3, 0.1), VV_OK);
+    assert_int_equal(n, 3);
+}
+
 static vv_status find_one(void *user)
 {
     vv_mesh_path path;
@@ -271,6 +322,8 @@ int main(void)
         cmocka_unit_test(paths_over_bumps_are_those_of_a_fine_graph),
         cmocka_unit_test(little_effort_is_told_and_bounded),
         cmocka_unit_test(what_cannot_be_is_an_error_and_nowhere_is_no_way),
+        cmocka_unit_test(a_thinned_path_is_as_near_as_is_said),
+        cmocka_unit_test(thin_paths_of_few_points),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -9,6 +9,7 @@ import { angleOf, lengthOf, project } from "./geometry";
 import type { Target } from "./hands";
 import { extentOf, isFlat, type Drawn, type Frame } from "./regions";
 import { draft, hover, isOpen, Move, pointsOf, regionKind, rows, selected, tool } from "./room";
+import { mainFigure } from "./rows";
 
 interface OverlayProps {
   target: Target;
@@ -142,10 +143,14 @@ export function MeasureOverlay(p: OverlayProps) {
     const at = project(pose, width / height, point);
     return at && [at[0] * width, at[1] * height];
   };
-  const all = rows.value.filter((row) => row.visible).map((row) => ({ ...row, points: pointsOf(row.id), closed: regionKind(row.id) !== "", around: ["ellipse", "ellipsoid"].includes(regionKind(row.id)) })).filter((row) => row.points.length);
+  const all = rows.value.filter((row) => row.visible).map((row) => {
+    const points = pointsOf(row.id);
+    const kind = regionKind(row.id);
+    return { ...row, points, line: (row.busy ? null : mainFigure(row)?.path) ?? points, closed: kind !== "", around: ["ellipse", "ellipsoid"].includes(kind) };
+  }).filter((row) => row.points.length);
   return (
     <svg class={`measure-overlay ${tool.value ? "measure-busy" : ""}`} width={width} height={height} role="group" aria-label={`Measurements: ${p.target.name}`}>
-      {all.map((row) => row.id === selected.value && row.points.every(isHere) ? <path key={row.id} class={`measure-line ${row.around ? "measure-band" : "measure-chosen"}`} aria-hidden="true" d={pathOf(row.points.map(toPixel), row.closed)} /> : null)}
+      {all.map((row) => row.id === selected.value && row.points.every(isHere) ? <path key={row.id} class={`measure-line ${row.around ? "measure-band" : "measure-chosen"}`} aria-hidden="true" d={pathOf(row.line.map(toPixel), row.closed)} /> : null)}
       {all.flatMap((row) => row.points.map((point, i) => {
         const at = isHere(point) ? toPixel(point) : null;
         return at ? <Handle key={`${row.id} ${i}`} id={row.id} title={row.title} index={i} n={row.points.length} at={at} isSelected={row.id === selected.value} p={p} /> : null;

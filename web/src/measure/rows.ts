@@ -1,5 +1,6 @@
 /** The table of measurements: what stands in its rows, their order, and all of it as comma-separated values. */
 import type { Json, JsonObject } from "../protocol";
+import type { Vec3 } from "../slices/geometry";
 import { isObject, titleOf } from "../values";
 
 export interface Figure {
@@ -7,6 +8,8 @@ export interface Figure {
   value?: number;
   error?: number;
   unit?: string;
+  /** Of a length along a surface: the path, in the measurement's space. */
+  path?: Vec3[];
 }
 
 export interface Row {
