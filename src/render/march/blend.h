@@ -20,7 +20,7 @@ typedef struct composite_state {
     march_part *part; /* n of them */
     size_t n;
     vf rgb[3], transmittance;
-    vf depth; /* step at which half of the light was gone; -1: not yet */
+    vf depth; /* steps after which half of the light was gone; -1: not yet */
     vi most;  /* several volumes: the number of the part that took most of it there */
     uint64_t samples;
     float opaque;
@@ -244,6 +244,16 @@ VV_INLINE vf absorbed_share(vf x, vm m)
     return vf_select(few, small, large);
 }
 
+/** Where half of all light is gone, in a step of `length` from `from` that leaves `after` of `before` and has its
+ * sample at `at`. Fog absorbs evenly in it, so that it does not matter where steps begin; what takes more than three
+ * quarters at once is a surface, and where that begins is not known better than from its sample. */
+VV_INLINE vf half_place(vf from, vf length, vf at, vf before, vf after)
+{
+    const vf start = vf_log2(before), end = vf_log2(vf_max(after, vf_set1(1e-30f)));
+    const vf share = vf_clamp((vf_set1(1.0f) + start) / (start - end), vf_set1(0.0f), vf_set1(1.0f));
+    return vf_select(vf_lt(after, before * vf_set1(0.25f)), at, vf_fma(length, share, from));
+}
+
 /** The share of a step's light that comes from a volume: at once where its colours are known, else later. */
 VV_INLINE void part_add(composite_state *s, march_part *p, const sight *found, vf at, vf weight, vm m)
 {
@@ -342,10 +352,12 @@ VV_INLINE void blend_add(composite_state *s, const blend_sample *t, vf k, vm run
     for (size_t i = 0; i < n; i++)
         if (vm_any(some[i]))
             part_add(s, &s->part[i], &found[i], middle[i], weight, some[i]);
-    s->transmittance = vf_max(s->transmittance - weight * sum, zero);
+    const vf before = s->transmittance;
+    s->transmittance = vf_max(before - weight * sum, zero);
     const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
     if (vm_any(halved)) {
-        s->depth = vf_select(halved, (from + to) * vf_set1(0.5f), s->depth);
+        s->depth = vf_select(halved, half_place(from, to - from, (from + to) * vf_set1(0.5f), before, s->transmittance),
+                             s->depth);
         s->most = vi_select(halved, densest_part(found, some, n), s->most);
     }
 }

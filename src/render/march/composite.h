@@ -44,9 +44,19 @@ VV_INLINE void fetch_sample(table_sample *out, const march_part *p, composite_ho
     }
 }
 
-/** What lanes of m see of it; share: how much of a full step it stands for (1 for all but the last). */
-VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color, table_sample *t, bool partial,
-                          vf share, vm m)
+/** Where half of the light is gone, of steps that begin at `from`, of which `share` lies in the volume; at: their
+ * samples. */
+VV_INLINE void find_half(composite_state *s, vf before, vf from, vf share, vf at, vm m)
+{
+    const vm halved = vm_and(m, vm_and(vf_lt(s->depth, vf_set1(0.0f)), vf_lt(s->transmittance, vf_set1(0.5f))));
+    if (vm_any(halved))
+        s->depth = vf_select(halved, half_place(from, share, at, before, s->transmittance), s->depth);
+}
+
+/** What lanes of m see of it in steps from `from`; share: how much of a full step it stands for (1 for all but the
+ * last). */
+VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color, table_sample *t, vf from,
+                          bool partial, vf share, vm m)
 {
     march_part *p = s->part;
     const vvi_march_volume *f = p->f;
@@ -83,9 +93,9 @@ VV_INLINE void add_sample(composite_state *s, composite_how how, color_fn *color
         if (p->queue.n >= QUEUE_FULL)
             color(&p->queue, p);
     }
-    s->transmittance = s->transmittance - weight;
-    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
-    s->depth = vf_select(vm_and(halved, m), t->k, s->depth);
+    const vf before = s->transmittance;
+    s->transmittance = before - weight;
+    find_half(s, before, from, share, t->k, m);
 }
 
 /** A sample of a volume that is classified in any way. */
@@ -103,9 +113,9 @@ VV_INLINE void add_sight(composite_state *s, const sight *found, vf k, vf share,
         return;
     const vf weight = absorbed_share(depth, seen) * s->transmittance;
     part_add(s, p, found, vf_fma(share, p->r.phase, k), weight, seen);
-    s->transmittance = vf_max(s->transmittance - weight * depth, zero);
-    const vm halved = vm_and(seen, vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f))));
-    s->depth = vf_select(halved, vf_fma(share, vf_set1(0.5f), k), s->depth);
+    const vf before = s->transmittance;
+    s->transmittance = vf_max(before - weight * depth, zero);
+    find_half(s, before, k, share, vf_fma(share, vf_set1(0.5f), k), seen);
 }
 
 /** The same of values, at once or where gradients are needed, later. */
@@ -183,7 +193,7 @@ VV_INLINE void add_any(composite_state *s, composite_how how, color_fn *color, a
     else if (how == HOW_ONE)
         add_one(s, &t->of_one, k, share, run);
     else
-        add_sample(s, how, color, &t->of_table, partial, share, run);
+        add_sample(s, how, color, &t->of_table, k, partial, share, run);
 }
 
 /* Two samples at once, so that one is on its way from memory while the other is worked on: a step is longer than what a

@@ -82,6 +82,11 @@ int64_t vvi_ref_row(const vvi_march_volume *f, double value)
     return (int64_t)f->classifier.alpha[entry] - VVI_ENTRY_SPLIT + (int64_t)within;
 }
 
+double vvi_ref_half(double from, double to, double clear, double alpha)
+{
+    return alpha > 0.75 ? (from + to) / 2 : from + (to - from) * log(2 * clear) / -log1p(-alpha);
+}
+
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
     const vvi_march_volume *f = &r->volume->ray;
@@ -108,7 +113,7 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
         for (int c = 0; c < 3; c++)
             rgba[c] += clear * alpha * color[c];
         if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
-            *depth = t;
+            *depth = vvi_ref_half(from, to, clear, alpha);
         clear *= 1 - alpha;
     }
     rgba[3] = 1 - clear;

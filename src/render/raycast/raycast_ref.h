@@ -19,6 +19,8 @@ typedef struct vvi_ref_ray {
 bool vvi_ref_clip(vvi_ref_ray *r);
 /** Stored number at distance t; of labels with smooth borders the one that wins. */
 double vvi_ref_value(const vvi_ref_ray *r, double t);
+/** Where half of all light is gone in a step that takes `alpha` of what still passes. */
+double vvi_ref_half(double from, double to, double clear, double alpha);
 /** Its gradient, stored numbers per world length. */
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t);
 /** The colours that a volume has from elsewhere, over those that it has by its classification. */

@@ -207,7 +207,7 @@ void vvi_ref_blend(double rgba[4], double *depth, const vv_scene *scene, const v
             for (int c = 0; c < 3; c++)
                 rgba[c] += clear * alpha * sum.rgb[c] / sum.depth;
             if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
-                *depth = (sum.from + sum.to) / 2;
+                *depth = vvi_ref_half(sum.from, sum.to, clear, alpha);
             clear *= 1 - alpha;
         }
     }

@@ -180,6 +180,28 @@ static void a_sphere_in_fog_is_dimmed_by_what_lies_before_it(void **state)
     finish(&f);
 }
 
+/* ln 2 / kappa behind its front, wherever samples lie and however many there are. */
+static void half_of_fog_is_gone_where_the_formula_says(void **state)
+{
+    static const char *const steps[] = {"2", "1", "0.37", "0.05"};
+    (void)state;
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (int i = 0; i < 16; i++) {
+            foggy f;
+            begin(&f, KAPPA);
+            test_ray_scene_set(&f.s, "step", steps[i % 4]);
+            test_ray_scene_set(&f.s, "jitter", i & 4 ? "true" : "false");
+            if (i & 8)
+                test_ray_scene_light(&f.s);
+            vv_image *image = test_ray_picture(&f.s, *cpu, 2);
+            for (int32_t y = 5; y < 59; y++)
+                for (int32_t x = 5; x < 59; x++)
+                    assert_true(fabs((double)image->depth[y * 64 + x] - 43 - log(2) / KAPPA) < 2e-3);
+            vv_image_release(image);
+            finish(&f);
+        }
+}
+
 /* Two sheets, given from far to near, and an opaque floor: fog in every gap. No ray through an edge counts twice. */
 static void translucent_sheets_and_fog_alternate(void **state)
 {
@@ -362,6 +384,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_in_fog_is_dimmed_by_what_lies_before_it),
+        cmocka_unit_test(half_of_fog_is_gone_where_the_formula_says),
         cmocka_unit_test(translucent_sheets_and_fog_alternate),
         cmocka_unit_test(cuts_open_meshes_as_they_open_clouds),
         cmocka_unit_test(placed_meshes_are_where_they_are_put),
