@@ -128,6 +128,9 @@ static vv_status take_operands(vvi_made *made, json_t *inputs)
     const vv_operand *operands = made->operation->inputs;
     char where[PATH_ROOM];
     vv_status st = check_names(made, inputs);
+    if (st == VV_OK && !operands[0].name && made->dataset->source)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, place(where, made, "source", NULL), "%s takes no inputs",
+                          made->operation->name);
     for (size_t i = 0; operands[i].name && i < VVI_RUN_INPUTS && st == VV_OK; i++) {
         const json_t *value = json_object_get(inputs, operands[i].name);
         const char *id = value ? json_string_value(value) : i == 0 ? made->dataset->source : NULL;
@@ -484,6 +487,10 @@ static vv_status plan_frames(vv_field_info *out, const vvi_made *made, const vv_
 {
     char where[PATH_ROOM];
     size_t longest = 0;
+    if (made->n == 0) { /* made of nothing: one, as planned */
+        out->n_frames = 1;
+        return VV_OK;
+    }
     for (size_t i = 0; i < made->n; i++) {
         const int64_t n = infos[i].n_frames, most = infos[longest].n_frames;
         if (!made->input[i] || vv_operation_operand(made->operation, i)->grid_only)
