@@ -114,7 +114,7 @@ static vv_status make_params(void **value_out, uint64_t *bytes_out, void *user, 
     vv_field_info info;
     vv_object *params = NULL;
     vv_status st = vvi_made_open(&made, r->world, r->dataset, job);
-    if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK &&
+    if (st == VV_OK && (st = vvi_made_params(&params, &made, job)) == VV_OK && made.input[0] &&
         (st = vv_dataset_info(&info, r->world, made.input[0], job)) == VV_OK)
         st = settle(params, &made, info.n_frames, job);
     vvi_made_close(&made);

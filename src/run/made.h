@@ -26,6 +26,9 @@ vv_status vvi_made_open(vvi_made *out, const vv_world *world, const vv_dataset *
 /** The same without a look at whether inputs are switched off. */
 vv_status vvi_made_open_as_is(vvi_made *out, const vv_world *world, const vv_dataset *dataset, vv_job *job);
 void vvi_made_close(vvi_made *made);
+/** The error that datasets, each made of the next, come back to the first of them: "a -> b -> a", of many the first and
+ * the last ones. id: n of them, the first is its own. */
+vv_status vvi_made_fail_ring(const vvi_made *made, const char *const *id, size_t n);
 /** What a dataset stands for: itself, or its first input where its operation is switched off, as far back as that is
  * so; in the place of *dataset and *id. Errors: VV_E_ARGUMENT (an operation that makes another kind than its first
  * input is, made of itself), those of vvi_made_open(). */

@@ -128,6 +128,9 @@ static vv_status take_operands(vvi_made *made, json_t *inputs)
     const vv_operand *operands = made->operation->inputs;
     char where[PATH_ROOM];
     vv_status st = check_names(made, inputs);
+    if (st == VV_OK && !operands[0].name && made->dataset->source)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, place(where, made, "source", NULL), "%s takes no inputs",
+                          made->operation->name);
     for (size_t i = 0; operands[i].name && i < VVI_RUN_INPUTS && st == VV_OK; i++) {
         const json_t *value = json_object_get(inputs, operands[i].name);
         const char *id = value ? json_string_value(value) : i == 0 ? made->dataset->source : NULL;
@@ -186,6 +189,7 @@ typedef struct graph {
     const vv_world *world;
     node *nodes; /* one for each dataset */
     vv_job *job;
+    const char *open[VVI_MADE_DEEPEST + 1]; /* datasets under way, by depth: each is made of the next */
 } graph;
 
 static vv_status visit(node *out, graph *g, const vv_dataset *dataset, size_t depth);
@@ -193,6 +197,34 @@ static vv_status visit(node *out, graph *g, const vv_dataset *dataset, size_t de
 static uint64_t hash_text(const char *text, uint64_t seed)
 {
     return vvi_hash(text ? text : "", text ? strlen(text) + 1 : 0, seed);
+}
+
+vv_status vvi_made_fail_ring(const vvi_made *made, const char *const *id, size_t n)
+{
+    enum { FIRST = 5, LAST = 3 };
+    char where[PATH_ROOM];
+    vvi_text ring = {0};
+    for (size_t i = 0; i < n; i++)
+        if (i < FIRST || i + LAST >= n)
+            vvi_text_printf(&ring, "%.64s -> ", id[i]);
+        else if (i == FIRST)
+            vvi_text_printf(&ring, "(%zu more) -> ", n - FIRST - LAST);
+    vvi_text_printf(&ring, "%.64s", made->id);
+    char *text = vvi_text_take(&ring);
+    const vv_status st = vv_fail_at(VV_E_ARGUMENT, NULL, place(where, made, "inputs", NULL),
+                                    "it is made of itself (%s): one of the datasets that it is made of must be a file",
+                                    text ? text : "");
+    free(text);
+    return st;
+}
+
+/* What is open comes again: from there on it is a ring. */
+static vv_status fail_open(const graph *g, const vvi_made *made, size_t depth)
+{
+    size_t first = 0;
+    while (first + 2 < depth && strcmp(g->open[first], made->id) != 0)
+        first++;
+    return vvi_made_fail_ring(made, g->open + first, depth - 1 - first);
 }
 
 static vv_status fail_deep(const vvi_made *made)
@@ -236,14 +268,14 @@ static vv_status visit_inputs(node *own, graph *g, const vvi_made *made, size_t 
 static vv_status visit_made(node *own, graph *g, const vv_dataset *dataset, size_t depth)
 {
     vvi_made made;
-    char where[PATH_ROOM];
     vv_status st = vvi_made_open(&made, g->world, dataset, g->job);
     if (st == VV_OK && own->state == OPEN)
-        st = vv_fail_at(VV_E_ARGUMENT, NULL, place(where, &made, "inputs", NULL),
-                        "it is made of itself: one of the datasets that it is made of must be a file");
+        st = fail_open(g, &made, depth);
     if (st == VV_OK && depth > VVI_MADE_DEEPEST)
         st = fail_deep(&made);
     own->state = OPEN;
+    if (st == VV_OK)
+        g->open[depth - 1] = made.id;
     if (st == VV_OK)
         st = visit_inputs(own, g, &made, depth);
     own->state = DONE;
@@ -269,7 +301,7 @@ static vv_status visit(node *out, graph *g, const vv_dataset *dataset, size_t de
 vv_status vvi_made_content(uint64_t *out, const vv_world *world, const vv_dataset *dataset, vv_job *job)
 {
     node found = {0};
-    graph g = {world, vvi_calloc(world->datasets->n + 1, sizeof(node)), job};
+    graph g = {world, vvi_calloc(world->datasets->n + 1, sizeof(node)), job, {NULL}};
     if (!g.nodes)
         return vv_fail_memory(world->datasets->n * sizeof(node));
     const char *id = "";
@@ -455,6 +487,10 @@ static vv_status plan_frames(vv_field_info *out, const vvi_made *made, const vv_
 {
     char where[PATH_ROOM];
     size_t longest = 0;
+    if (made->n == 0) { /* made of nothing: one, as planned */
+        out->n_frames = 1;
+        return VV_OK;
+    }
     for (size_t i = 0; i < made->n; i++) {
         const int64_t n = infos[i].n_frames, most = infos[longest].n_frames;
         if (!made->input[i] || vv_operation_operand(made->operation, i)->grid_only)

@@ -3,6 +3,7 @@
 #include "model/dataset.h"
 #include "run/made.h"
 #include <stdio.h>
+#include <string.h>
 
 static const char *word_of(bool mesh)
 {
@@ -30,23 +31,32 @@ static vv_status check_kind(const vvi_made *made, vv_job *job)
     return fail_off(made, why);
 }
 
-static vv_status fail_ring(const vvi_made *made)
+static vv_status fail_many(const vvi_made *made)
 {
     char where[VVI_ID_MOST + 16];
     snprintf(where, sizeof where, "datasets.%s.inputs", made->id);
-    return vv_fail_at(VV_E_ARGUMENT, NULL, where,
-                      "it is made of itself, or of more than %d operations that are switched off", VVI_MADE_DEEPEST);
+    return vv_fail_at(VV_E_LIMIT, NULL, where, "it is made of more than %d operations that are switched off",
+                      VVI_MADE_DEEPEST);
+}
+
+/* before: n datasets that are switched off, each made of the next, the last one of this. */
+static vv_status check_way(const vvi_made *made, const char *const *before, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!strcmp(before[i], made->id))
+            return vvi_made_fail_ring(made, before + i, n - i);
+    return n == VVI_MADE_DEEPEST ? fail_many(made) : VV_OK;
 }
 
 vv_status vvi_made_behind(const vv_dataset **dataset, const char **id, const vv_world *world, vv_job *job)
 {
+    const char *way[VVI_MADE_DEEPEST];
     vv_status st = VV_OK;
-    for (int n = 0; vv_dataset_is_made(*dataset) && !(*dataset)->on && st == VV_OK; n++) {
+    for (size_t n = 0; vv_dataset_is_made(*dataset) && !(*dataset)->on && st == VV_OK; n++) {
         vvi_made made;
         st = vvi_made_open_as_is(&made, world, *dataset, job);
-        if (st == VV_OK && n == VVI_MADE_DEEPEST)
-            st = fail_ring(&made);
-        if (st == VV_OK && (st = check_kind(&made, job)) == VV_OK) {
+        if (st == VV_OK && (st = check_way(&made, way, n)) == VV_OK && (st = check_kind(&made, job)) == VV_OK) {
+            way[n] = made.id;
             *dataset = made.input[0];
             *id = made.input_id[0];
         }

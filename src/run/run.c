@@ -30,22 +30,39 @@ static vv_status copy_plan(vv_run *r, const vvi_run_plan *plan)
     r->ways = vvi_calloc(n + 1, sizeof *r->ways);
     if (!r->steps || !r->takes || !r->nodes || !r->ways)
         return vv_fail_memory((VVI_RUN_INPUTS + n) * sizeof *r->nodes);
-    memcpy(r->inputs, plan->inputs, plan->n_inputs * sizeof *plan->inputs);
+    if (plan->n_inputs > 0)
+        memcpy(r->inputs, plan->inputs, plan->n_inputs * sizeof *plan->inputs);
     if (n > 0)
         memcpy(r->steps, plan->steps, n * sizeof *plan->steps);
     if (plan->takes && n > 0)
         memcpy(r->takes, plan->takes, n * sizeof *plan->takes);
     else
         chain_steps(r);
+    for (size_t s = 0; s < n; s++)
+        if (r->takes[s].n == 0)
+            r->takes[s].from[0] = VVI_RUN_GAP;
+    return VV_OK;
+}
+
+/* Of an operation that takes nothing there is a run without inputs. */
+static vv_status check_count(const vvi_run_plan *plan)
+{
+    const bool none = plan->n_steps > 0 && vv_operation_most(plan->steps[0].operation) == 0;
+    if (plan->n_inputs > VVI_RUN_INPUTS || (plan->n_inputs < 1 && !none))
+        return vv_fail(VV_E_ARGUMENT, "%s: takes 1 to %d inputs, there are %zu", plan->name, VVI_RUN_INPUTS,
+                       plan->n_inputs);
+    if (none && !plan->takes && plan->n_inputs > 0)
+        return vv_fail(VV_E_ARGUMENT, "%s: takes no inputs, and there are %zu", plan->steps[0].operation->name,
+                       plan->n_inputs);
     return VV_OK;
 }
 
 vv_status vvi_run_new(vv_run **out, const vvi_run_plan *plan, const vv_run_output *output, vv_job *job)
 {
     *out = NULL;
-    if (plan->n_inputs < 1 || plan->n_inputs > VVI_RUN_INPUTS)
-        return vv_fail(VV_E_ARGUMENT, "%s: takes 1 to %d inputs, there are %zu", plan->name, VVI_RUN_INPUTS,
-                       plan->n_inputs);
+    vv_status st = check_count(plan);
+    if (st != VV_OK)
+        return st;
     vv_run *r = vvi_calloc(1, sizeof *r);
     if (!r)
         return vv_fail_memory(sizeof *r);
@@ -58,7 +75,7 @@ vv_status vvi_run_new(vv_run **out, const vvi_run_plan *plan, const vv_run_outpu
                   .mesh_options = output->mesh_options,
                   .check = output->check,
                   .check_user = output->check_user};
-    vv_status st = copy_plan(r, plan);
+    st = copy_plan(r, plan);
     if (st == VV_OK && (st = vvi_run_plan_all(r, output)) == VV_OK) {
         *out = r;
         return VV_OK;
@@ -125,6 +142,15 @@ static void take_layers(vv_write_options *options, const vvi_layers *layers)
     }
 }
 
+/* The input that the result leads back to, each step on its first operand. NULL: one that takes nothing began it. */
+static vv_file *main_file(const vv_run *run)
+{
+    int node = vvi_run_last(run);
+    while (node >= VVI_RUN_INPUTS)
+        node = run->takes[node - VVI_RUN_INPUTS].from[0];
+    return node == VVI_RUN_GAP ? NULL : run->inputs[0].file;
+}
+
 /* The steps that lead from the first input to the result, each on its first operand: what a file says goes with them.
  */
 static size_t main_steps(vv_step *out, const vv_run *run)
@@ -144,8 +170,7 @@ static vv_status write_frames(vv_run *run, vv_write_options *options, vv_step *s
     for (int64_t f = 0; f < run->n_results; f++)
         fields[f] = run->results[f].field;
     take_layers(options, &run->layers);
-    vv_status st =
-        vv_carry_begin(&carry, options, run->inputs[0].file, steps, main_steps(steps, run), &run->about.result);
+    vv_status st = vv_carry_begin(&carry, options, main_file(run), steps, main_steps(steps, run), &run->about.result);
     if (st == VV_OK)
         st = vv_field_write(run->path, fields, (size_t)run->n_results, options, run->job);
     vv_carry_finish(&carry);

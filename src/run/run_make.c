@@ -260,7 +260,7 @@ static vv_status settle_together(vv_run *r)
         const vv_step *step = &r->steps[s];
         before_step before = {r, s};
         const vv_field_series frames = {open_before, &before, (size_t)r->n_results};
-        if (r->n_results > 1 && looks(step) && !r->stream.rehearses)
+        if (r->n_results > 1 && r->takes[s].n > 0 && looks(step) && !r->stream.rehearses)
             st = step->operation->settle(step->params, &frames, r->job);
     }
     return st;

@@ -78,7 +78,7 @@ size_t vvi_run_joined(const vv_run *r, size_t s, int64_t *index)
 static vv_status choose_inputs(vv_run *r)
 {
     const bool joined = r->n_steps > 0 && r->steps[0].operation->joins;
-    r->chosen = joined || r->about.makes == VV_IS_MESH ? -1 : r->inputs[0].frame;
+    r->chosen = joined || r->about.makes == VV_IS_MESH || r->n_inputs == 0 ? -1 : r->inputs[0].frame;
     for (size_t i = 0; i < r->n_inputs; i++) {
         const vv_run_input *in = &r->inputs[i];
         const int64_t n = frames_of_file(in);
@@ -99,6 +99,11 @@ static vv_status step_frames(vv_run *r, size_t s, const vvi_run_node **longest_o
     const vv_operation *o = r->steps[s].operation;
     int first = takes->from[0];
     int64_t all = 0;
+    if (takes->n == 0) { /* what is made of nothing has no series to follow */
+        r->nodes[VVI_RUN_INPUTS + s].n_frames = 1;
+        *longest_out = &r->nodes[VVI_RUN_INPUTS + s];
+        return VV_OK;
+    }
     for (size_t i = 0; i < takes->n; i++) {
         const int from = takes->from[i];
         if (o->joins && from == VVI_RUN_GAP)
@@ -160,7 +165,7 @@ static vv_status plan_step(vv_run *r, size_t s)
     if ((st = o->plan(&node->info, infos, takes->n, step->params)) != VV_OK ||
         (st = vv_field_info_bytes(&bytes, &node->info)) != VV_OK)
         return st;
-    if (!o->joins && longest->n_frames > infos[0].n_frames) { /* its time is that of the series */
+    if (!o->joins && takes->n > 0 && longest->n_frames > infos[0].n_frames) { /* its time is that of the series */
         node->info.n_frames = longest->info.n_frames;
         node->info.frame_step = longest->info.frame_step;
         memcpy(node->info.frame_unit, longest->info.frame_unit, sizeof node->info.frame_unit);
@@ -322,7 +327,7 @@ static vv_status choose_frames(vv_run *r)
 /* Layers of a segmentation in the place of time steps, where the output holds them. */
 static vv_status choose_layers(vv_run *r)
 {
-    if (!r->format || !r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
+    if (!r->format || !r->format->labels_only || r->n_inputs != 1 || r->about.n_frames > 1)
         return VV_OK;
     const vv_status st = vvi_layers_open(&r->layers, &r->inputs[0], r->job);
     r->about.n_layers = r->layers.n;
@@ -337,7 +342,7 @@ static vv_status plan_fields(vv_run *r, const vv_run_output *output)
     for (size_t i = 0; i < r->n_inputs; i++)
         if (r->inputs[i].mesh)
             return vv_fail(VV_E_ARGUMENT, "%s: takes a volume, and '%s' is a mesh", r->name, r->inputs[i].name);
-    if (is_gap(&r->inputs[0]))
+    if (r->n_inputs > 0 && is_gap(&r->inputs[0]))
         return vv_fail(VV_E_ARGUMENT, "%s: input number 1 is missing", r->name);
     if ((st = choose_format(r, output)) == VV_OK && (st = choose_frames(r)) == VV_OK &&
         (st = choose_layers(r)) == VV_OK) {

@@ -136,7 +136,7 @@ def test_a_parameter_is_a_path():
                                  ("gaussian.parameters.sigma=2s", 2, ("datasets.gaussian.parameters.sigma", "'2s'")),
                                  ("gaussian.operation=gausian", 2, ("datasets.gaussian.operation", "did you mean 'gaussian'?")),
                                  ("gaussian.inputs.volume=inn", 2, ("datasets.gaussian.inputs.volume", "did you mean 'in'?")),
-                                 ("gaussian.inputs.volume=threshold", 2, ("datasets.threshold.inputs", "made of itself"))):
+                                 ("gaussian.inputs.volume=threshold", 2, ("datasets.threshold.inputs", "made of itself (threshold -> gaussian -> threshold)"))):
         says(fails(code, "render", "made.vv.json", "--set", "datasets." + setting, "-o", "x.png"), *words)
     assert not os.path.exists("x.png")
 
@@ -165,7 +165,7 @@ def test_steps_are_switched_off():
                                   ("made.vv.json", "in.on=false", ("datasets.in.on", "a file cannot be switched off"))):
         says(fails(2, "render", scene, "--set", "datasets." + setting, "-o", "x.png"), *words)
     ring = ("--set", "datasets.median.inputs.volume=gaussian", "--set", "datasets.median.on=false", "--set", "datasets.gaussian.on=false")
-    says(fails(2, "render", "made.vv.json", *ring, "-o", "x.png"), "made of itself")
+    says(fails(2, "render", "made.vv.json", *ring, "-o", "x.png"), "made of itself (gaussian -> median -> gaussian)")
 
 
 def test_verbs_take_what_is_made_as_they_take_files():

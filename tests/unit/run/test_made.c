@@ -346,10 +346,17 @@ static const struct {
     {"\"x\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"file\"}, \"parameters\": {\"sigma\": \"2s\"}}",
      VV_E_ARGUMENT, "datasets.x.parameters.sigma", "'2s'"},
     {"\"x\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"x\"}}", VV_E_ARGUMENT, "datasets.x.inputs",
-     "made of itself"},
+     "made of itself (x -> x)"},
     {"\"x\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"y\"}}, "
      "\"y\": {\"operation\": \"median\", \"inputs\": {\"volume\": \"x\"}}",
-     VV_E_ARGUMENT, "datasets.x.inputs", "made of itself"},
+     VV_E_ARGUMENT, "datasets.x.inputs", "made of itself (x -> y -> x)"},
+    {"\"x\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"y\"}}, "
+     "\"y\": {\"operation\": \"median\", \"inputs\": {\"volume\": \"z\"}}, "
+     "\"z\": {\"operation\": \"median\", \"inputs\": {\"volume\": \"y\"}}",
+     VV_E_ARGUMENT, "datasets.y.inputs", "made of itself (y -> z -> y)"},
+    {"\"x\": {\"operation\": \"gaussian\", \"on\": false, \"inputs\": {\"volume\": \"y\"}}, "
+     "\"y\": {\"operation\": \"median\", \"on\": false, \"inputs\": {\"volume\": \"x\"}}",
+     VV_E_ARGUMENT, "datasets.x.inputs", "made of itself (x -> y -> x)"},
     {"\"x\": {\"operation\": \"simplify\", \"inputs\": {\"mesh\": \"file\"}}", VV_E_ARGUMENT, "datasets.x.inputs.mesh",
      "simplify takes a mesh, and 'file' is a volume"},
     {"\"x\": {\"operation\": \"gaussian\", \"inputs\": {\"volume\": \"m\"}}, "
