@@ -54,7 +54,9 @@ static double light_of(const conversion *c, double stored)
 static void store_scalar(const conversion *c, size_t at, const double rgba[4], int components)
 {
     const double v = components == 4 ? rgba[3] : 0.2126 * rgba[0] + 0.7152 * rgba[1] + 0.0722 * rgba[2];
-    if (c->to_type == VV_TYPE_U16)
+    if (c->to_type == VV_TYPE_U8)
+        ((uint8_t *)c->to)[at] = (uint8_t)lrint(v * UINT8_MAX);
+    else if (c->to_type == VV_TYPE_U16)
         ((uint16_t *)c->to)[at] = (uint16_t)lrint(v * UINT16_MAX);
     else
         ((float *)c->to)[at] = (float)v;
@@ -111,7 +113,7 @@ static vv_field_info info_of(const conversion *c)
     info.type = c->to_type;
     info.components = c->scalar ? 1 : 4;
     info.meaning = c->scalar ? VV_MEANING_SCALAR : VV_MEANING_RGBA;
-    info.value_scale = c->to_type == VV_TYPE_U16 ? 1.0 / UINT16_MAX : 1;
+    info.value_scale = vv_type_is_float(c->to_type) ? 1 : 1 / full_scale(c->to_type);
     info.value_offset = 0;
     info.value_unit[0] = 0;
     return info;
@@ -154,14 +156,21 @@ static void drop(void *value)
     vv_field_release(value);
 }
 
+/* Alpha of 8 bits is what it was; luminance of linear light needs more. */
+static vv_type scalar_type(const vv_field_info *info)
+{
+    if (vv_type_is_float(info->type))
+        return VV_TYPE_F32;
+    return info->type == VV_TYPE_U8 && info->components == 4 ? VV_TYPE_U8 : VV_TYPE_U16;
+}
+
 vv_status vvi_colors_scalar(vv_field **out, const vv_field *colors, bool encoded, vv_job *job)
 {
-    const vv_type type = vv_field_get_info(colors)->type;
     conversion c = {.field = colors, .encoded = encoded, .scalar = true};
     const vvi_cache_key key = {"color scalar", vv_field_identity(colors), encoded};
     vvi_cached *cached = NULL;
     *out = NULL;
-    c.to_type = vv_type_is_float(type) ? VV_TYPE_F32 : VV_TYPE_U16;
+    c.to_type = scalar_type(vv_field_get_info(colors));
     const vv_status st = vvi_cache_get(&cached, &key, make, drop, &c, job);
     if (st != VV_OK)
         return st;
