@@ -51,13 +51,19 @@ static double light_of(const conversion *c, double stored)
     return c->encoded ? vv_srgb_decode(v) : v;
 }
 
+/* Not by lrint(), which is a call. */
+static uint16_t to_16(double v)
+{
+    return (uint16_t)(v * UINT16_MAX + 0.5);
+}
+
 static void store_scalar(const conversion *c, size_t at, const double rgba[4], int components)
 {
     const double v = components == 4 ? rgba[3] : 0.2126 * rgba[0] + 0.7152 * rgba[1] + 0.0722 * rgba[2];
     if (c->to_type == VV_TYPE_U8)
-        ((uint8_t *)c->to)[at] = (uint8_t)lrint(v * UINT8_MAX);
+        ((uint8_t *)c->to)[at] = (uint8_t)(v * UINT8_MAX + 0.5);
     else if (c->to_type == VV_TYPE_U16)
-        ((uint16_t *)c->to)[at] = (uint16_t)lrint(v * UINT16_MAX);
+        ((uint16_t *)c->to)[at] = to_16(v);
     else
         ((float *)c->to)[at] = (float)v;
 }
@@ -66,8 +72,26 @@ static void store_colors(const conversion *c, size_t at, const double rgba[4])
 {
     uint16_t *to = (uint16_t *)c->to + 4 * at;
     for (int i = 0; i < 3; i++)
-        to[i] = (uint16_t)lrint(rgba[i] * rgba[3] * UINT16_MAX);
-    to[3] = (uint16_t)lrint(rgba[3] * UINT16_MAX);
+        to[i] = to_16(rgba[i] * rgba[3]);
+    to[3] = to_16(rgba[3]);
+}
+
+/* One sample, of bytes or of numbers of any type. */
+static void find_color(double rgba[4], const conversion *c, const char *sample)
+{
+    const vv_brick *b = &c->brick;
+    double stored[4] = {0};
+    if (b->type == VV_TYPE_U8) { /* most: by the table, without a call for each */
+        const uint8_t *bytes = (const uint8_t *)sample;
+        for (int x = 0; x < 3; x++)
+            rgba[x] = c->light[bytes[x]];
+        rgba[3] = b->components == 4 ? bytes[3] / c->full : 1;
+        return;
+    }
+    vvi_samples_to_f64(stored, sample, b->type, (size_t)b->components);
+    for (int x = 0; x < 3; x++)
+        rgba[x] = light_of(c, stored[x]);
+    rgba[3] = b->components == 4 ? clamped(stored[3] / c->full) : 1;
 }
 
 /* Item: one slice. */
@@ -80,12 +104,8 @@ static vv_status convert_slice(void *scratch, void *shared, size_t k)
     for (int64_t j = 0; j < b->box.n[1]; j++) {
         const char *row = (const char *)b->data + (int64_t)k * b->stride[2] + j * b->stride[1];
         for (int64_t i = 0; i < b->box.n[0]; i++, at++) {
-            double stored[4] = {0}, rgba[4] = {0, 0, 0, 1};
-            vvi_samples_to_f64(stored, row + i * b->stride[0], b->type, (size_t)b->components);
-            for (int x = 0; x < 3; x++)
-                rgba[x] = light_of(c, stored[x]);
-            if (b->components == 4)
-                rgba[3] = clamped(stored[3] / c->full);
+            double rgba[4];
+            find_color(rgba, c, row + i * b->stride[0]);
             if (c->scalar)
                 store_scalar(c, at, rgba, b->components);
             else
