@@ -51,11 +51,19 @@ static double light_of(const conversion *c, double stored)
     return c->encoded ? vv_srgb_decode(v) : v;
 }
 
+/* Not by lrint(), which is a call. */
+static uint16_t to_16(double v)
+{
+    return (uint16_t)(v * UINT16_MAX + 0.5);
+}
+
 static void store_scalar(const conversion *c, size_t at, const double rgba[4], int components)
 {
     const double v = components == 4 ? rgba[3] : 0.2126 * rgba[0] + 0.7152 * rgba[1] + 0.0722 * rgba[2];
-    if (c->to_type == VV_TYPE_U16)
-        ((uint16_t *)c->to)[at] = (uint16_t)lrint(v * UINT16_MAX);
+    if (c->to_type == VV_TYPE_U8)
+        ((uint8_t *)c->to)[at] = (uint8_t)(v * UINT8_MAX + 0.5);
+    else if (c->to_type == VV_TYPE_U16)
+        ((uint16_t *)c->to)[at] = to_16(v);
     else
         ((float *)c->to)[at] = (float)v;
 }
@@ -64,8 +72,26 @@ static void store_colors(const conversion *c, size_t at, const double rgba[4])
 {
     uint16_t *to = (uint16_t *)c->to + 4 * at;
     for (int i = 0; i < 3; i++)
-        to[i] = (uint16_t)lrint(rgba[i] * rgba[3] * UINT16_MAX);
-    to[3] = (uint16_t)lrint(rgba[3] * UINT16_MAX);
+        to[i] = to_16(rgba[i] * rgba[3]);
+    to[3] = to_16(rgba[3]);
+}
+
+/* One sample, of bytes or of numbers of any type. */
+static void find_color(double rgba[4], const conversion *c, const char *sample)
+{
+    const vv_brick *b = &c->brick;
+    double stored[4] = {0};
+    if (b->type == VV_TYPE_U8) { /* most: by the table, without a call for each */
+        const uint8_t *bytes = (const uint8_t *)sample;
+        for (int x = 0; x < 3; x++)
+            rgba[x] = c->light[bytes[x]];
+        rgba[3] = b->components == 4 ? bytes[3] / c->full : 1;
+        return;
+    }
+    vvi_samples_to_f64(stored, sample, b->type, (size_t)b->components);
+    for (int x = 0; x < 3; x++)
+        rgba[x] = light_of(c, stored[x]);
+    rgba[3] = b->components == 4 ? clamped(stored[3] / c->full) : 1;
 }
 
 /* Item: one slice. */
@@ -78,12 +104,8 @@ static vv_status convert_slice(void *scratch, void *shared, size_t k)
     for (int64_t j = 0; j < b->box.n[1]; j++) {
         const char *row = (const char *)b->data + (int64_t)k * b->stride[2] + j * b->stride[1];
         for (int64_t i = 0; i < b->box.n[0]; i++, at++) {
-            double stored[4] = {0}, rgba[4] = {0, 0, 0, 1};
-            vvi_samples_to_f64(stored, row + i * b->stride[0], b->type, (size_t)b->components);
-            for (int x = 0; x < 3; x++)
-                rgba[x] = light_of(c, stored[x]);
-            if (b->components == 4)
-                rgba[3] = clamped(stored[3] / c->full);
+            double rgba[4];
+            find_color(rgba, c, row + i * b->stride[0]);
             if (c->scalar)
                 store_scalar(c, at, rgba, b->components);
             else
@@ -111,7 +133,7 @@ static vv_field_info info_of(const conversion *c)
     info.type = c->to_type;
     info.components = c->scalar ? 1 : 4;
     info.meaning = c->scalar ? VV_MEANING_SCALAR : VV_MEANING_RGBA;
-    info.value_scale = c->to_type == VV_TYPE_U16 ? 1.0 / UINT16_MAX : 1;
+    info.value_scale = vv_type_is_float(c->to_type) ? 1 : 1 / full_scale(c->to_type);
     info.value_offset = 0;
     info.value_unit[0] = 0;
     return info;
@@ -154,14 +176,21 @@ static void drop(void *value)
     vv_field_release(value);
 }
 
+/* Alpha of 8 bits is what it was; luminance of linear light needs more. */
+static vv_type scalar_type(const vv_field_info *info)
+{
+    if (vv_type_is_float(info->type))
+        return VV_TYPE_F32;
+    return info->type == VV_TYPE_U8 && info->components == 4 ? VV_TYPE_U8 : VV_TYPE_U16;
+}
+
 vv_status vvi_colors_scalar(vv_field **out, const vv_field *colors, bool encoded, vv_job *job)
 {
-    const vv_type type = vv_field_get_info(colors)->type;
     conversion c = {.field = colors, .encoded = encoded, .scalar = true};
     const vvi_cache_key key = {"color scalar", vv_field_identity(colors), encoded};
     vvi_cached *cached = NULL;
     *out = NULL;
-    c.to_type = vv_type_is_float(type) ? VV_TYPE_F32 : VV_TYPE_U16;
+    c.to_type = scalar_type(vv_field_get_info(colors));
     const vv_status st = vvi_cache_get(&cached, &key, make, drop, &c, job);
     if (st != VV_OK)
         return st;
