@@ -129,6 +129,47 @@ static void planes_have_exact_places_and_normals(void **state)
     vv_field_release(in);
 }
 
+/* Between samples, as renderers take them. */
+static double trilinear(const vv_field *f, double x, double y, double z)
+{
+    const int64_t i = (int64_t)x, j = (int64_t)y, k = (int64_t)z;
+    double sum = 0;
+    for (int c = 0; c < 8; c++) {
+        const int a = c & 1, b = c >> 1 & 1, d = c >> 2;
+        const double u = x - (double)i, v = y - (double)j, w = z - (double)k;
+        sum += (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w) * at(f, i + a, j + b, k + d);
+    }
+    return sum;
+}
+
+/* Interpolation cuts corners: on average by 1 / (6 R) voxels of a sphere of R. */
+static void spheres_are_smaller_by_a_sixth_of_their_curvature(void **state)
+{
+    const uint64_t seed = test_seed();
+    (void)state;
+    for (int radius = 10; radius <= 20; radius += 10) {
+        char words[100];
+        snprintf(words, sizeof words, "center=[23.13,23.27,23.41];radius=%d", radius);
+        vv_field *in = grid_of(N, VV_TYPE_U8), *out = made(in, words);
+        double sum = 0;
+        enum { RAYS = 4000 };
+        for (uint64_t i = 0; i < RAYS; i++) {
+            const double z = 2 * test_random_unit(seed, 2 * i) - 1, turn = 2 * PI * test_random_unit(seed, 2 * i + 1);
+            const double x = sqrt(1 - z * z) * cos(turn), y = sqrt(1 - z * z) * sin(turn);
+            double lo = radius - 1, hi = radius + 1;
+            for (int step = 0; step < 40; step++) {
+                const double r = (lo + hi) / 2;
+                const bool inside = trilinear(out, 23.13 + r * x, 23.27 + r * y, 23.41 + r * z) > 0.5;
+                *(inside ? &lo : &hi) = r;
+            }
+            sum += lo - radius;
+        }
+        assert_near(sum / RAYS * -6 * radius, 1, 0.15);
+        vv_field_release(out);
+        vv_field_release(in);
+    }
+}
+
 /* Sets, sample by sample, against their formulas; and the same samples whatever box and number of threads. */
 static void densities_are_put_together_by_their_formulas(void **state)
 {
@@ -200,6 +241,7 @@ int main(void)
         cmocka_unit_test(a_sphere_has_the_mass_and_area_of_its_profile),
         cmocka_unit_test(densities_are_the_profile_of_the_distance),
         cmocka_unit_test(planes_have_exact_places_and_normals),
+        cmocka_unit_test(spheres_are_smaller_by_a_sixth_of_their_curvature),
         cmocka_unit_test(densities_are_put_together_by_their_formulas),
         cmocka_unit_test(a_solid_and_itself),
         cmocka_unit_test(labels_are_no_densities),
