@@ -65,6 +65,7 @@ static const vv_operation *const operations[] = {
     &vvi_operation_grow,
     &vvi_operation_watershed,
     &vvi_operation_skeleton,
+    &vvi_operation_voxelize,
     &vvi_operation_isosurface,
     &vvi_operation_simplify,
     &vvi_operation_smooth,

@@ -58,6 +58,7 @@ extern const vv_operation vvi_operation_bias;
 extern const vv_operation vvi_operation_distance;
 extern const vv_operation vvi_operation_grow;
 extern const vv_operation vvi_operation_watershed;
+extern const vv_operation vvi_operation_voxelize;
 extern const vv_operation vvi_operation_skeleton;
 extern const vv_operation vvi_operation_isosurface;
 extern const vv_operation vvi_operation_simplify;

@@ -45,6 +45,7 @@ STREAMS = {
     "gradient": ["@"],
     "laplacian": ["@"],
     "vesselness": ["@ --sigma 0.7vox --sigma-most 0.7vox --c 3"],
+    "voxelize": ["@", "@ --shape torus --with difference"],
     "threshold": ["@ --range 50..", "# --method otsu"],
     "components": ["# --connectivity corners", "@ --range 50..", "~"],
     "calc": ["a-b @ @2"],
