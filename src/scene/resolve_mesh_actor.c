@@ -5,96 +5,24 @@
 #include "core/vec.h"
 #include "gfx/texture.h"
 #include "grid/mesh.h"
-#include "grid/mesh_normals.h"
 #include "scene/resolve.h"
+#include "scene/smooth_mesh.h"
 #include "scene/transfer.h"
-#include "surface/vertex_places.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <volvis/image.h>
 
-/* Where a triangle leans more than this from the mean around one of its corners there is an edge that is to be seen:
- * cosine of 45 degrees. */
-#define CREASE 0.70710678f
-
 /* Normals --------------------------------------------------------------------------------------------------------- */
-
-static void sub3(float out[3], const float *a, const float *b)
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[k] - b[k];
-}
-
-static float dot3(const float a[3], const float b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Corners of sharp edges lose their normals, so that triangles there are flat and not rounded. triangles: of places. */
-static vv_status find_creases(float *normals, const vv_mesh_info *m, const uint32_t *triangles, vv_job *job)
-{
-    uint8_t *sharp = vvi_alloc_zeroed(job, m->n_vertices + 1, VVI_MEM_SCRATCH);
-    if (!sharp)
-        return vv_fail_memory(m->n_vertices + 1);
-    for (size_t t = 0; t < m->n_triangles; t++) {
-        const uint32_t *v = triangles + 3 * t;
-        const float *p = m->positions + 3 * (size_t)v[0];
-        float a[3], b[3];
-        sub3(a, m->positions + 3 * (size_t)v[1], p);
-        sub3(b, m->positions + 3 * (size_t)v[2], p);
-        const float n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-        const float length = sqrtf(dot3(n, n));
-        for (int k = 0; k < 3 && length > 0; k++)
-            sharp[v[k]] |= dot3(n, normals + 3 * (size_t)v[k]) < CREASE * length;
-    }
-    for (size_t i = 0; i < m->n_vertices; i++)
-        if (sharp[i])
-            memset(normals + 3 * i, 0, 3 * sizeof *normals);
-    vvi_free(sharp);
-    return VV_OK;
-}
-
-/* Of vertices at one place, as along the seam of a map of the Earth, the first stands for all: no crease is there. */
-static vv_status find_normals(float *normals, const vv_mesh_info *m, vv_job *job)
-{
-    const size_t n = 3 * m->n_triangles, bytes = (n + 1) * sizeof *m->triangles;
-    uint32_t *place;
-    vv_status st = vvi_number_places(&place, m->positions, m->n_vertices, job);
-    if (st != VV_OK)
-        return st;
-    uint32_t *triangles = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
-    if (!triangles)
-        st = vv_fail_memory(bytes);
-    for (size_t i = 0; i < n && triangles; i++)
-        triangles[i] = place[m->triangles[i]];
-    if (st == VV_OK)
-        st = vvi_normals_of(normals, m->positions, m->n_vertices, triangles, m->n_triangles, job);
-    if (st == VV_OK)
-        st = find_creases(normals, m, triangles, job);
-    for (size_t v = 0; v < m->n_vertices && st == VV_OK; v++)
-        if (place[v] != v)
-            memcpy(normals + 3 * v, normals + 3 * (size_t)place[v], 3 * sizeof *normals);
-    vvi_free(triangles);
-    vvi_free(place);
-    return st;
-}
 
 static vv_status make_normals(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
-    const vv_mesh *mesh = user;
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    vvi_mesh_arrays a;
-    vv_mesh *copy = NULL;
-    vv_status st = vvi_mesh_copy(&copy, &a, mesh, vvi_mesh_with(mesh) | VVI_MESH_NORMALS, job);
-    if (st == VV_OK)
-        st = find_normals(a.normals, m, job);
-    if (st != VV_OK) {
-        vv_mesh_release(copy);
+    vv_mesh *shaded;
+    const vv_status st = vvi_mesh_smooth_shaded(&shaded, user, job);
+    if (st != VV_OK)
         return st;
-    }
-    *value_out = copy;
-    *bytes_out = vvi_mesh_bytes(copy);
+    *value_out = shaded;
+    *bytes_out = vvi_mesh_bytes(shaded);
     return VV_OK;
 }
 
@@ -103,7 +31,7 @@ static void drop_mesh(void *mesh)
     vv_mesh_release(mesh);
 }
 
-/* A mesh without normals gets some, which are kept. */
+/* A mesh without normals gets some, which are kept; its vertices may be more then, its triangles are the same. */
 static vv_status add_normals(vv_mesh **mesh, vv_job *job)
 {
     vvi_cached *cached;

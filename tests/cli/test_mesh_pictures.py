@@ -269,7 +269,7 @@ def test_surfaces_that_meet_have_different_colours():
 
 
 def test_normals_of_meshes_that_are_picked_are_those_of_the_layer():
-    """Of the sphere itself, that the vertices are on, and not of its triangles; triangles at sharp edges are flat."""
+    """Of the sphere itself, that the vertices are on, and not of its triangles; sharp edges are between flat faces."""
     write_ply("ball.ply", *sphere(5, 24))
     write_box("box.ply")
     places = [(x, y) for x in range(2, 60, 7) for y in range(2, 60, 7)]
@@ -725,6 +725,37 @@ def test_the_seam_of_a_mesh_is_no_crease():
     for name in ("whole", "seam"):
         ok("render", f"{name}.off", "-o", f"{name}.png", "--size", "200", "--view", "+x")
     ok("compare", "whole.png", "seam.png", "--max-difference", "0.02")
+
+
+def write_cube(path, n=5):
+    """From 0 to 1, of n x n quads a face, whose vertices the faces share."""
+    places, triangles = {}, []
+    for a, end in itertools.product(range(3), (0, n)):
+        for i, j in itertools.product(range(n), repeat=2):
+            corners = [tuple(numpy.roll((end, i + x, j + y), a)) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+            q = [places.setdefault(c, len(places)) for c in (corners if end else corners[::-1])]
+            triangles += [(q[0], q[1], q[2]), (q[0], q[2], q[3])]
+    write_ply(path, [tuple(x / n for x in p) for p in places], triangles)
+
+
+def test_a_cube_of_vertices_that_its_faces_share_has_flat_faces():
+    """Normals are those of the faces to the pixel, and each face has one colour, from far away."""
+    write_cube("cube.ply")
+    for method in ("surface", "raycast"):
+        look = ["cube.ply", "--size", "120x120", "--spp", "1", "--method", method, "--view", "30,25", "--parallel", "3"]
+        ok("render", *look, "--aov", "normal", "-o", "a.exr", "--overwrite")
+        parts = exr.read("a.exr")
+        layer = next(part for part in parts if isinstance(part, dict) and "normal.X" in part)
+        normal = numpy.stack([layer["normal." + axis] for axis in "XYZ"], -1)
+        faces = [abs(normal - numpy.eye(3)[a] * s).max(axis=2) < 1e-3 for a, s in itertools.product(range(3), (-1, 1))]
+        seen = numpy.abs(normal).max(axis=2) > 0
+        assert sorted(f.sum() > 300 for f in faces) == [False] * 3 + [True] * 3
+        assert (sum(f.astype(int) for f in faces) == seen).all()
+        render(*look)
+        colours = pixels("out.png")
+        for face in faces:
+            if face.any():
+                assert numpy.ptp(colours[face], axis=0).max() <= 1, (method, numpy.ptp(colours[face], axis=0))
 
 
 main()
